@@ -80,10 +80,10 @@ struct Setup {
   bool soft_edges = false;        ///< soil at surfaces that carry no stress is less stiff, which allows longer substeps
   double flow_limit = points::flow_limit;  ///< plastic strain above which hourglass control is off, because it would
                                            ///< brake the flow
-  double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
-  bool counts_impulses = false;  ///< impulses from outside are summed, for a gauge
-  bool parallel = false;  ///< parallel scheme: the fluid's values are of the last window; with a prediction Z = C / n^2
-                          ///< + .. then
+  double inertia_share = 0.5;              ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  bool counts_impulses = false;            ///< impulses from outside are summed, for a gauge
+  bool parallel = false;  ///< parallel scheme: the fluid's values are those of the last window; where it predicts the
+                          ///< soil's motion, Z = C / n^2 + zr rho_bar / Dt
   Vec<D> gravity = Vec<D>::Zero();
   double longest_substep = 0.0;  ///< s
   double rest_substep = 0.0;     ///< s, substep of dynamic relaxation

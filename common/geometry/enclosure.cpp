@@ -14,7 +14,7 @@
 namespace poretwin {
 namespace {
 
-/// A straight piece that lets no water pass unnoticed: of a wall, or of a water face. Without `plane`: from a to b
+/// A straight piece of a wall or of a water face, which the flood does not pass. Without `plane` it leads from a to b
 /// (2D).
 struct Barrier {
   std::string name;
@@ -113,7 +113,7 @@ class Flood {
       if (face.pressure)
         for (const auto& [time, value] : face.pressure->knots)
           highest = std::max(highest, value / (scene_.water.density * scene_.general.gravity.norm()));
-      // What an inlet lets in stands before it.
+      // Water that comes in through an inlet may stand a little higher than the inlet's upper end.
       const double above = is_inlet(scene_, face) ? 2.0 * spacing : 0.0;
       if (face.discharge)
         for (const auto& x : face.face.points) level_ = std::max(level_, up_.dot(x) + above);
@@ -130,7 +130,7 @@ class Flood {
         }
       }
       if (face.outlet) continue;
-      // Water enters just inside.
+      // The flood starts from places just inside the face.
       for (std::size_t k = 0; k + 1 < face.face.points.size(); ++k) {
         const Point3 a = face.face.points[k], along = face.face.points[k + 1] - a;
         const Point3 inward = Point3(-along.y(), along.x(), 0.0).normalized();
@@ -153,7 +153,7 @@ class Flood {
     for (int d = 0; d < dimension_; ++d) volume *= (upper_[d] - lower_[d]) / size_ + 6.0;
     if (volume > most) size_ *= std::pow(volume / most, 1.0 / dimension_);
     for (int d = 0; d < dimension_; ++d) {
-      // Off the round numbers on which walls lie.
+      // Walls often lie at round coordinates: this margin keeps cell centres off them.
       const double margin = periodic(d) ? 0.0 : 3.37 * size_;
       origin_[d] = lower_[d] - margin + 0.5 * size_;
       count_[static_cast<std::size_t>(d)] =
@@ -185,7 +185,7 @@ class Flood {
     }
     std::vector<std::size_t> from(cells, unseen), queue;
     for (const auto& x : springs_) {
-      // The nearest cell on this side of every barrier.
+      // The flood starts in the cell that contains x, if no barrier lies between x and the cell's centre.
       std::size_t cell = 0;
       bool inside = true;
       for (int d = 0; d < dimension_; ++d) {
@@ -225,7 +225,7 @@ class Flood {
     return std::nullopt;
   }
 
-  /// Whether a plane, which may stand far from all else, closes the way from x in this direction.
+  /// Whether a plane stops water that leaves the grid from x in this direction. A plane may stand far outside the grid.
   [[nodiscard]] bool held_beyond(const Point3& x, const Point3& direction) const {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) {
       const double towards = b.b.dot(direction);
@@ -249,7 +249,8 @@ class Flood {
     });
   }
 
-  /// Does the water there fall into what stands behind a face? Below the face it has slipped through.
+  /// Does water at x belong to the air or still water behind a face? Not where x lies below the face: such water has
+  /// passed through a gap.
   [[nodiscard]] bool taken(const Point3& x) const {
     return std::any_of(takers_.begin(), takers_.end(), [&](const WaterFace* face) {
       const auto& points = face->face.points;
@@ -261,7 +262,7 @@ class Flood {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) { return crossed(b, x, y); });
   }
 
-  /// The way out, and the free ends nearest to it.
+  /// The leak that ends in this cell: a place on the water's path, and the free ends of boundaries nearest to the path.
   [[nodiscard]] Leak told(std::size_t cell, const std::vector<std::size_t>& from) const {
     std::vector<Point3> way{centre(cell)};
     for (; from[cell] != cell; cell = from[cell]) way.push_back(centre(from[cell]));
@@ -292,12 +293,12 @@ class Flood {
     };
     const Point3 first = ends.front().second.second;
     leak.at = beside(first);
-    // Not the other end of the same piece.
+    // The second end must belong to another boundary.
     ends.erase(std::remove_if(ends.begin() + 1, ends.end(),
                               [&](const auto& end) { return end.second.first == ends.front().second.first; }),
                ends.end());
     if (ends.size() == 1) return leak;
-    // The other side of the gap, unless water or soil lies between: then there is none.
+    // The second end is the other side of the gap, unless water or soil lies between the two ends.
     const Point3 second = ends[1].second.second, middle = 0.5 * (first + second);
     if (through_ground(first, second) || (beside(middle) - middle).norm() > 0.5 * (second - first).norm() + size_)
       return leak;

@@ -104,7 +104,7 @@ Triangles parse_ascii_stl(std::string_view text) {
   return mesh;
 }
 
-/// Numbers out of bytes, with the other order of bytes where asked to.
+/// Reads numbers from bytes, whose order is reversed where the file's byte order differs from this machine's.
 class Bytes {
  public:
   Bytes(std::string_view bytes, bool big_endian)
@@ -163,7 +163,7 @@ Triangles parse_obj(std::string_view text) {
       const auto word = words.words()[w];
       long i = 0;
       const auto n = static_cast<long>(mesh.points.size());
-      // Counted from 1, or back from the last point so far.
+      // Points are counted from 1 or, with negative numbers, back from the last point read so far.
       if (!Words::read(word.substr(0, word.find('/')), i) || i == 0 || i > n || i < -n)
         wrong(words.where(), fmt::format("numbers of points up to {}", n), words.line());
       corners.push_back(static_cast<Index>(i > 0 ? i - 1 : n + i));

@@ -17,11 +17,11 @@ namespace {
 constexpr double smoothing = 1.3;   ///< of the kernel
 constexpr double evening = 0.25;    ///< step along the gradient of concentration
 constexpr double nearest = 0.9;     ///< pairs closer than this repel each other
-constexpr double repulsion = 0.75;  ///< how strongly
-constexpr double wall_push = 0.3;   ///< share of what is missing to half a spacing from a face
-constexpr double pushed_in = 0.2;   ///< least depth at first
+constexpr double repulsion = 0.75;  ///< strength of this repulsion
+constexpr double wall_push = 0.3;   ///< fraction by which a depth below half a spacing is corrected in one step
+constexpr double pushed_in = 0.2;   ///< least depth below a face before the first step
 constexpr double longest_step = 0.1;
-constexpr double at_rest = 1e-3;  ///< no particle moves farther
+constexpr double at_rest = 1e-3;  ///< the steps end when no particle moves farther
 constexpr int most_steps = 60;
 
 }  // namespace
@@ -43,8 +43,9 @@ Lattice<3> deepest_in(const Solid& solid, double spacing, const Point3& offset) 
                l = static_cast<double>(k / (static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny)));
     return Point3(lower + (Point3(i, j, l) + offset).cwiseProduct(step));
   };
-  // In whole millionths of a spacing, so that rounding decides nothing. Of points that are equally deep those that are
-  // left out are scattered over all: side by side they would be a dent.
+  // Depths are rounded to millionths of a spacing, so that rounding errors decide nothing. Which of several equally
+  // deep points are left out follows from a hash of their number, which scatters them: side by side they would leave a
+  // dent.
   struct Place {
     long above;
     std::size_t scattered, cell;
@@ -78,7 +79,7 @@ void pack(const Solid& solid, double spacing, Lattice<3>& lattice) {
   std::vector<char> at_wall(n);
   // The least deep points of the lattice may lie outside.
   parallel_for(n, [&](std::size_t a) {
-    // Off one face after the other, in a corner.
+    // In a corner the point is moved away from one face after the other.
     constexpr int most_faces = 8;
     for (int k = 0; k < most_faces; ++k)
       for (const auto& part : solid.parts()) {

@@ -100,7 +100,7 @@ Lattice<2> fill_turned(const Point3& corner, const std::array<Point3, 2>& sides,
   return lattice;
 }
 
-/// The box of a shape that is one, turned, before it is placed (3D).
+/// The box as the case draws it, before it is scaled, turned and moved, if the shape is a box that is placed (3D).
 std::optional<Shape> turned_box(const Shape& shape) {
   if (!shape.solid || shape.kind != Shape::Kind::box || shape.solid->parts().size() > 1) return std::nullopt;
   Shape drawn;

@@ -52,13 +52,14 @@ struct Lattice {
 
 /// Fills a shape; the spacing is stretched a little where the shape's bounding box is not a whole number of spacings.
 /// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter
-/// spacings. What lies on an edge of a polygon is outside, or rounding would choose, unless another shape that is yet
-/// to be filled has it on an edge, too (`later`).
+/// spacings. Points on an edge of a polygon count as outside, since rounding would decide otherwise; but a point that
+/// also lies on an edge of a shape that is filled after this one (`later`) counts as inside.
 template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                 std::span<const Shape> later = {});
 
-/// The same for a run: in bodies with slanted or curved faces (3D) the particles are then moved until they lie evenly.
+/// Fills a shape for a run: in bodies with slanted or curved faces (3D) the particles are also moved until they lie
+/// evenly.
 template <int D>
 Lattice<D> lay(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                std::span<const Shape> later = {});
@@ -67,8 +68,9 @@ Lattice<D> lay(const Shape& shape, double spacing, const Point3& offset, double 
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
 
-/// Extends pieces of walls (made without a margin) by `margin` [m] beyond their ends so that corners close; where the
-/// next piece goes on straight, turns away from the domain or hardly towards it, images are divided at the bisector.
+/// Extends pieces of walls (made without a margin) by `margin` [m] beyond their ends so that corners close. Images are
+/// divided at the bisector where the next piece continues straight, turns away from the domain, or turns towards it by
+/// less than 75 degrees.
 template <int D>
 void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin);
 

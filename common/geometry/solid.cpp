@@ -120,7 +120,7 @@ Triangles extrusion(const Shape& s) {
   const auto section = counter_clockwise(s.points);
   const auto n = static_cast<Index>(section.size());
   const int axis = s.along[0];
-  // The section's coordinates are the other two, in their order.
+  // The section's coordinates are those along the other two axes, in their order.
   const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
   Triangles mesh;
   for (const double end : {s.from, s.to})
@@ -159,7 +159,7 @@ Triangles revolution(const std::vector<Point3>& points, const Point3& foot, cons
   for (Index k = 0; k < sides; ++k)
     for (Index i = 0; i < n; ++i) {
       const Index j = (i + 1) % n, a = k * n, b = (k + 1) % sides * n;
-      // What lies on the axis is one point.
+      // Points on the axis are not repeated around it.
       const Index ai = a + i, aj = a + j, bi = section[i].x() == 0.0 ? ai : b + i,
                   bj = section[j].x() == 0.0 ? aj : b + j;
       if (bi != ai) mesh.facets.push_back({ai, bi, bj});
@@ -221,7 +221,8 @@ Solid::Solid(std::vector<Part> parts, double resolution) : parts_(std::move(part
   }
   volume_ = parts_[0].mesh.volume();
   if (parts_.size() == 1) return;
-  // Cubes, those that the border crosses in eighths, and these in parts as if it were a plane at its distance.
+  // The volume is summed over cubes. Those that the body's surface crosses are divided into eight, and of each of these
+  // a fraction counts, as if the surface were a plane at its distance from the centre.
   constexpr double most_cells = 5e4;
   const Point3 size = bounds_.second - bounds_.first;
   const double cell = std::max(resolution_, std::cbrt(size.prod() / most_cells));
@@ -257,7 +258,8 @@ double Solid::depth(const Point3& x, double range) const {
 }
 
 std::pair<double, double> Solid::extent(const Point3& direction) const {
-  // Of several parts, of the places on their surfaces that are on the body; to within a little where surfaces meet.
+  // Where there are several parts, only corners of facets that lie on the body count. Where surfaces of two parts cut
+  // each other, the result may be a little too small.
   double lowest = HUGE_VAL, highest = -HUGE_VAL;
   const double slack = 1e-6 * (bounds_.second - bounds_.first).norm();
   for (const auto& part : parts_)

@@ -1,4 +1,4 @@
-// Bodies in 3D: what closed surfaces enclose, less what is cut out of it.
+// Bodies in 3D: the space inside closed surfaces, without what is cut out of it.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -16,18 +16,19 @@ class Solid {
   struct Part {
     TriangleMesh mesh;
     bool cut_out = false;
-    /// Distance from the surface [m], positive on the body's side; of what is farther than a range: the range.
+    /// Distance from the surface [m], positive on the body's side; limited to +- range.
     [[nodiscard]] double depth(const Point3& x, double range) const {
       return cut_out ? -mesh.depth(x, range) : mesh.depth(x, range);
     }
     [[nodiscard]] bool contains(const Point3& x) const { return mesh.contains(x) != cut_out; }
   };
-  /// What all parts have in common, the first not cut out; resolution [m]: of its volume, where there are several.
+  /// The intersection of all parts, the first of which is not cut out. resolution [m]: size of the cells by which the
+  /// volume of several parts is computed.
   Solid(std::vector<Part> parts, double resolution);
 
   [[nodiscard]] bool contains(const Point3& x) const;
-  /// Distance from the border [m], positive inside, of what is farther than a range: the range; of several parts a
-  /// lower bound of it outside.
+  /// Distance from the body's surface [m], positive inside, limited to +- range. Outside a body of several parts its
+  /// magnitude is a lower bound of the distance.
   [[nodiscard]] double depth(const Point3& x, double range) const;
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] double volume() const { return volume_; }  ///< m3
@@ -42,11 +43,12 @@ class Solid {
   std::pair<Point3, Point3> bounds_;
 };
 
-/// The surface of a shape without what it is cut by, placed; curved ones to within a small part of a spacing [m], with
-/// their own volume. read(file): the text of a file. Throws CaseError with what is wrong with the shape.
+/// The surface of a shape in its final place, before other shapes cut it. Facets of curved surfaces depart from them by
+/// a hundredth of a spacing [m], and the enclosed volume is exact. read(file): the text of a file. Throws CaseError
+/// with what is wrong with the shape.
 Triangles surface_of(const Shape& shape, double spacing, const std::function<std::string(const std::string&)>& read);
 
-/// A point of a shape, where its placement puts it.
+/// A point of a shape after it has been scaled, turned and moved.
 Point3 placed(const Placement& placement, const Point3& x, int dimension);
 
 }  // namespace poretwin

@@ -8,16 +8,18 @@
 namespace poretwin {
 namespace {
 
-/// Two points of walls are two walls if their directions differ by 45 degrees or more; on a curved wall they are one.
+/// Two wall points count as two walls if their directions differ by 45 degrees or more (cosine); on a curved wall
+/// nearer directions belong to one wall.
 constexpr double one_wall = 0.7;
-/// A mirror is a point towards which the facet faces: at edges that turn away from the domain there is none.
+/// Least cosine between a facet's normal and the direction from its nearest point to the particle, with which that
+/// point acts as a mirror. At edges that turn away from the domain no facet does.
 constexpr double faces = 0.9;
-/// Behind a corner of 105 degrees and more the images by either wall fill the space, behind a narrower one with those
-/// by both (cosine of the angle between normals).
+/// Cosine of the angle between the normals in a corner of 105 degrees. Behind wider corners the images by single walls
+/// fill the space; behind narrower ones images by both walls together are needed, too.
 constexpr double wide_corner = 0.26;
-/// A wall nearer to an image than this part of its distance from the mirror cuts it off.
+/// An image is dropped where another wall is nearer to it than this fraction of its distance from the mirror.
 constexpr double cut_off = 0.98;
-/// Of rounding, over the distances at hand.
+/// Rounding errors, over the distances that are compared.
 constexpr double slack = 1e-6;
 
 /// Sign with which the outward normals of a part point into the domain.
@@ -51,7 +53,7 @@ bool Surfaces::is_covered(const Vec<3>& at, const Body* body, const Solid::Part*
 Surfaces::WallPoints Surfaces::walls_near(const Vec<3>& x, double range) const {
   static const double one_wall_angle = std::acos(one_wall);
   WallPoints found;
-  // Of another direction than the walls so far, and not behind one of them.
+  // Whether a point of a wall differs in direction from the wall points found so far and lies behind none of them.
   const auto another = [&](const Vec<3>& normal, const Vec<3>& at) {
     return std::ranges::none_of(found.all(), [&](const WallPoint& w) {
       return normal.dot(w.normal) >= one_wall || w.normal.dot(at - w.at) < -slack * range;
@@ -196,14 +198,15 @@ void Surfaces::keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>
     x = from + past + (std::min(through, reach) + through) * hit->normal;
     v -= std::min(0.0, hit->normal.dot(v)) * hit->normal;
   }
-  // Where walls throw it to and fro, as in a sharp corner, it stays where it was.
+  // Where walls reflect the point back and forth, as in a sharp corner, it stays where it was.
   if (!thrown || holds(x)) return;
   x = before;
   v.setZero();
 }
 
 std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing) {
-  // Across from a place on a facet, to a facet that faces the other way: the tips of wedges are thin without it.
+  // Largest product of the normals of two facets that count as opposite sides of a wall. Towards the tip of a wedge
+  // every body is thin, which does not count.
   constexpr double opposite = -0.8;
   constexpr double most_places = 1e5;
   const bool inside = domain == Wall::Domain::inside;

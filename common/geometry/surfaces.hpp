@@ -19,7 +19,7 @@ class Surfaces {
   void add(const Vec<3>& point, const Vec<3>& normal, int boundary);
   [[nodiscard]] bool empty() const { return bodies_.empty() && planes_.empty(); }
 
-  /// A point of a wall that faces x as a mirror does.
+  /// A point of a wall that acts as a mirror for a point x.
   struct WallPoint {
     Vec<3> at = Vec<3>::Zero(), normal = Vec<3>::Zero();  ///< m; unit, towards x
     double distance = 0.0;                                ///< m
@@ -30,7 +30,7 @@ class Surfaces {
     std::size_t size = 0;
     [[nodiscard]] std::span<const WallPoint> all() const { return {point.data(), size}; }
   };
-  /// The nearest walls of different directions within a range [m] of x.
+  /// The nearest points of walls within a range [m] of x, in directions that differ by 45 degrees or more.
   [[nodiscard]] WallPoints walls_near(const Vec<3>& x, double range) const;
 
   /// Images of points by the walls within a range [m] of them. An image is seen by points on its original's side of the
@@ -42,8 +42,8 @@ class Surfaces {
 
   /// Is x in the domain: before all planes, in all containers and in no obstacle?
   [[nodiscard]] bool holds(const Vec<3>& x) const;
-  /// A point that has moved from `before`, in the domain, through walls is thrown back by them, however far it has
-  /// come, by `reach` [m] at most; its velocity towards them [m/s] is stopped.
+  /// Reflects a point that has moved from `before`, in the domain, through walls: it ends in front of the wall, as far
+  /// as it had passed it, but at most `reach` [m]. Its velocity towards the wall [m/s] is set to zero.
   void keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const;
 
  private:
@@ -56,9 +56,9 @@ class Surfaces {
     Vec<3> point, normal;
     int boundary;
   };
-  /// Where and how a way first meets a wall.
+  /// Where a path first meets a wall.
   struct Hit {
-    double along = 1.0;              ///< fraction of the way
+    double along = 1.0;              ///< fraction of the path
     Vec<3> normal = Vec<3>::Zero();  ///< unit, into the domain
   };
   [[nodiscard]] std::optional<Hit> first_hit(const Vec<3>& from, const Vec<3>& to) const;
@@ -76,7 +76,8 @@ struct ThinPlace {
   Point3 at;         ///< m
   double thickness;  ///< m
 };
-/// Thinner walls are not seen past, spacings: the kernel's reach.
+/// Least thickness of walls [spacings]: the kernel's reach. Particles on opposite sides of a thinner wall would see
+/// each other.
 inline constexpr double least_thickness = 2.6;
 std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing);
 

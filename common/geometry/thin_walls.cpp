@@ -140,9 +140,10 @@ bool sight_matters(const Case& scene) {
   return false;
 }
 
-/// Measured where nothing is done about it: still water on both sides is at rest from 5 spacings of wall on (0.7 m/s at
-/// 4, diverges at 2), seepage right from there on (1.4 % off at 4, NaN at 3); on one side from 3 on (7 % too much
-/// pressure at 1): two reaches of a kernel, and one.
+/// Walls need a thickness of 5 spacings with water on both sides (two kernel reaches), of 3 with water on one side (one
+/// reach). Measured without lines of sight: still water on both sides stays at rest from 5 spacings on (0.7 m/s at 4,
+/// diverges at 2), and seepage is right from there on (1.4 % off at 4, NaN at 3); water on one side is right from 3 on
+/// (7 % too much pressure at 1).
 std::vector<ThinWall> thin_walls(const Case& scene) {
   std::vector<ThinWall> found;
   if (scene.general.dimension != 2 || !scene.has_water()) return found;
@@ -182,8 +183,8 @@ std::vector<sph::ImagePlane<2>> sides_of_walls(const Case& scene, double margin)
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     if (scene.walls[w].water != Wall::ForWater::none)
       add_sides(scene, scene.walls[w], static_cast<int>(w), screen, margin, planes);
-  // Where the walk turns away from the domain, or goes straight on, some points see both pieces, and the way through
-  // the corner is the first one's.
+  // Where a line turns away from the domain or continues straight, some points see both pieces. A line of sight through
+  // the corner then counts as one through the first piece.
   for (auto& plane : planes)
     for (const auto& before : planes)
       if (before.screen != plane.screen && before.tangent.dot(plane.tangent) > -0.99 &&

@@ -57,7 +57,7 @@ TriangleMesh::TriangleMesh(Triangles triangles) : triangles_(std::move(triangles
     normals_.push_back(twice.normalized());
   }
   build(0, static_cast<Index>(facets_.size()));
-  // Over the centre, or a body far from the origin would lose its digits.
+  // Positions are taken relative to the centre: far from the origin the sum would lose its digits.
   const Vec<3> o = nodes_[0].centre;
   for (const Index f : facets_) volume_ += (corner(f, 0) - o).dot((corner(f, 1) - o).cross(corner(f, 2) - o)) / 6.0;
 }
@@ -122,7 +122,7 @@ void TriangleMesh::walk(const Enter& enter, const Visit& visit) const {
 }
 
 double TriangleMesh::winding_number(const Vec<3>& x) const {
-  // A part that is twice as far as it is large, as a dipole: off by 1e-2 of a whole turn in the sum.
+  // A part that is twice as far away as it is large counts as a dipole; the sum is then off by 1e-2 of a full turn.
   constexpr double far = 2.0;
   double angle = 0.0;
   walk(
@@ -196,7 +196,8 @@ std::optional<double> TriangleMesh::crossing(const Vec<3>& a, const Vec<3>& b) c
 double TriangleMesh::depth(const Vec<3>& x, double range) const {
   const auto found = nearest(x, range);
   if (!found) return contains(x) ? range : -range;
-  // Over the inside of a facet its normal tells the side; at edges and corners, where facets meet, it need not.
+  // Where the nearest point lies inside a facet, the facet's normal tells the side of x; at an edge or corner it need
+  // not.
   constexpr double over = 1.0 - 1e-9;
   const double away = normals_[found->facet].dot(x - found->point);
   if (std::abs(away) > over * found->distance) return -away;

@@ -22,7 +22,7 @@ struct Triangles {
 
 class TriangleMesh {
  public:
-  /// A closed, oriented surface (`fault_of`), or the answers are those of its pieces.
+  /// The surface must be closed and oriented (`fault_of`); otherwise the functions below give no meaningful results.
   explicit TriangleMesh(Triangles triangles);
 
   /// How often the surface winds around x: 1 inside, 0 outside (Jacobson et al. 2013); far parts of the surface as
@@ -122,14 +122,14 @@ struct MeshFault {
   std::string what;  ///< a sentence about facets, counted from 1
   Vec<3> at;         ///< m
 };
-/// Open edges, edges of more than two facets, neighbours turned against each other, facets without area, facets that
-/// cross; nothing if there are none.
+/// The first fault of a surface: open edges, edges of more than two facets, neighbouring facets of opposite
+/// orientation, facets without area, facets that cross; nothing if there is none.
 std::optional<MeshFault> fault_of(const TriangleMesh& mesh);
 
 /// Points that coincide become one; facets of which two corners then coincide are left out.
 Triangles joined(const Triangles& triangles);
 
-/// All facets the other way round.
+/// The same triangles with the opposite orientation.
 Triangles turned_round(Triangles triangles);
 
 }  // namespace poretwin

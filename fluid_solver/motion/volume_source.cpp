@@ -100,10 +100,10 @@ ScalarArray moved(const Particles<D>& p) {
 }
 
 /// In soil the repair takes a third of the time in which a unit gradient pushes water through one spacing, and at most
-/// the time in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so that
-/// loose water runs ahead and becomes looser. In free water the repair takes twenty times as long as a fall through one
-/// spacing or, where drag slows the water, twenty times n rho_w / C. It never takes less than two windows, since a
-/// faster repair oscillates. So it is a physical time, not a number of windows.
+/// the time in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so
+/// that loose water runs ahead and becomes looser. In free water the repair takes twenty times as long as a fall
+/// through one spacing or, where drag slows the water, twenty times n rho_w / C. It never takes less than two windows,
+/// since a faster repair oscillates. So it is a physical time, not a number of windows.
 template <int D>
 double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                    double interval) {

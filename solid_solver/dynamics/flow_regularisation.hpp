@@ -13,7 +13,8 @@ namespace poretwin::solid {
 /// of soil that yielded a little with that of its neighbours, by at most an amount proportional to the plastic strain
 /// since the last treatment.
 ///   stress   its departure from the neighbours' linear fields is halved
-///   volume   moves by a fifth towards the neighbours'; inside the soil by a tenth towards sum V W = 1
+///   volume   moves by a fifth towards the neighbours'; inside the soil a tenth of the error of sum V W, relative to
+///            that of the initial lattice, is removed
 ///   packing  particles move down the gradient of sum V W, in proportion to the shear strain; not at surfaces
 ///   density  soil sheared at constant volume (psi = 0) dilates where it is denser than its pressure explains and
 ///            contracts where it is looser, d eps_v = 2 (rho/rho_0 - 1 - p/K) d gamma, so that errors of the volume do

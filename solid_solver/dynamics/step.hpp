@@ -10,7 +10,8 @@ template <int D>
 struct Drive {
   OrZero<Vec<D>> distributed;    ///< N on each particle: the water's pressure and drag
   VecArray<D> traction;          ///< N on each particle near a loaded face
-  ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v)
+  ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v) by which the soil
+                                 ///< tracks the fluid's prediction: bulk volume V, impedance Z (exchange/tracking.hpp)
   VecArray<D> target;            ///< m/s, target velocity of each particle
   double damping = 0.0;          ///< 1/s, damping rate of all soil
   double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while others flow

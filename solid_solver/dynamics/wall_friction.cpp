@@ -57,8 +57,8 @@ Vec<D> divergence_along(const State<D>& state, std::size_t i, const Vec<D>& norm
   return sum;
 }
 
-/// Force density r0 - r s on soil that moves along a wall with s, beside its body force: its inertia, damping and what
-/// makes it follow the water.
+/// Force density r0 - r s on soil that moves along a wall with the slip velocity s, besides its body force: inertia,
+/// damping, and the force that makes it track the fluid's prediction.
 template <int D>
 struct AlongWall {
   double resistance = 0.0;        ///< r, N s/m4

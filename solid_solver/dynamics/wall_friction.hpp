@@ -8,11 +8,11 @@
 
 namespace poretwin::solid {
 
-/// Shear traction [Pa] of the soil on a wall and the pressure that it is held against, from the stress of a particle at
-/// a distance [m]. Between them the stress on planes along the wall has the slope that the balance of momentum asks
-/// for, d(sigma n)/dn = -(b + w): b is the body force, and w = d(sigma t)/dt - rho a (Particles::wall_slope) holds what
-/// changes along the wall (t: along it) and the acceleration a of soil that slips. Without w waves along the wall grow,
-/// and the drag of water in soil that slips throws it.
+/// Shear traction [Pa] of the soil on a wall, and the pressure with which the soil is pressed against it, extrapolated
+/// from the stress of a particle at a distance [m]. The slope of the stress between wall and particle follows from the
+/// balance of momentum, d(sigma n)/dn = -(b + w), with the body force b and w = d(sigma t)/dt - rho a
+/// (Particles::wall_slope): the change of the stress along the wall (direction t) and the inertia of soil that slips
+/// with the acceleration a. Without w waves along the wall grow, and the drag of water in soil that slips throws it.
 template <int D>
 struct WallShear {
   Vec<D> traction = Vec<D>::Zero();
@@ -42,8 +42,8 @@ double slope_carried(const Particles<D>& p, std::size_t i, const Vec<D>& normal,
   return reaction < weight ? std::max(0.0, reaction / weight) : 1.0;
 }
 
-/// Friction, over a step of dt [s], of slipping soil that viscosity, not stress, supports at the wall: without it thin
-/// sheets and single grains would glide on it.
+/// Applies friction, over a step of dt [s], to slipping soil that artificial viscosity, not stress, holds off the wall.
+/// Without it thin sheets and single grains would glide on the wall.
 template <int D>
 void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state);
 

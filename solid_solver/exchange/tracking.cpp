@@ -34,9 +34,9 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
       const double slip = law.speed(force), C = law.slope(slip), a = n_w * setup.water.density / interval;
       tracking.dissipated += p.volume[i] * force * slip * interval;
       along = C * a / (a + C);
-      // In the parallel scheme the prediction is that of the last window. A departure from it also meets what the
-      // pressure would oppose it with where water flows back as the grains come, n v_w = -n_s v_s. That makes C / n^2
-      // in all.
+      // In the parallel scheme the prediction is that of the last window, so that the impedance also stands for the
+      // pressure's resistance: where grains advance, water flows back, n v_w = -n_s v_s, and drag and pressure together
+      // resist with C / n^2.
       z = setup.inertia_share > 0.0 ? C / (n_w * n_w) : rests ? C : along;
       if (again) {
         tracking.answers[i] =

@@ -4,7 +4,7 @@
 // velocity, since elastic waves pass through it without end. It is then calm: near-critical damping makes those waves
 // die out. It falls asleep if it and all particles around it stay calm. While it sleeps, its stress and volume are
 // frozen and its strain rate is zero, and this is all that its neighbours see of it. Sleeping particles within range of
-// others transmit the waves of these.
+// particles that are awake still transmit the waves of the latter.
 #pragma once
 
 #include "solid_solver/dynamics/step.hpp"
