@@ -126,10 +126,10 @@ void declare_measures(Keys& keys, Shape& s) {
             {"", "3D: the axis along which a polygon is extruded, [\"y\"], between `from` and `to`."});
   keys.axes("around", s.around, {"", "3D: the axis around which a polygon is revolved, [\"z\"], through `centre`."});
   keys.number("from", s.from, {"m", "First end of an extruded polygon, along its axis.", !s.along.empty()});
-  keys.number("to", s.to, {"m", "Its second end.", !s.along.empty()});
+  keys.number("to", s.to, {"m", "Second end of an extruded polygon, along its axis.", !s.along.empty()});
   keys.points("ends", s.ends, {"m", "Centres of the two ends of a cylinder or cone.", round});
   keys.point("centre", s.centre,
-             {"m", "Centre of a ball; of a revolved polygon a point of the axis, where its place is 0.",
+             {"m", "Centre of a ball; for a revolved polygon the point of the axis from which places along it count.",
               s.kind == Kind::ball});
   keys.number(
       "radius", s.radius,
@@ -170,9 +170,10 @@ void declare_rest(Keys& keys, Shape& s) {
   };
   keys.tables(
       "within",
-      About{"", "3D: shapes to which this one is cut, each with the keys above: what lies in all of them is left."},
+      About{"", "3D: other shapes, each with the keys above; only what lies in all of them is kept of this shape."},
       s.within, part);
-  keys.tables("without", About{"", "3D: shapes that are cut out of this one, likewise."}, s.without, part);
+  keys.tables("without", About{"", "3D: other shapes, each with the keys above, that are cut out of this shape."},
+              s.without, part);
 }
 
 void declare(Keys& keys, Shape& s) {
@@ -350,9 +351,11 @@ void declare(Keys& keys, Soil& s) {
   keys.number("residual_cohesion", s.residual_cohesion,
               {"Pa", "What `cohesion` falls to, linearly, over `softening_slip`; absent: it does not fall."},
               not_negative());
-  keys.number("residual_friction_angle", s.residual_friction_angle, {"degrees", "The same of `friction_angle`."},
+  keys.number("residual_friction_angle", s.residual_friction_angle,
+              {"degrees", "Friction angle after `softening_slip`; absent: it does not fall."},
               between(0, false, 90, true));
-  keys.number("residual_dilation_angle", s.residual_dilation_angle, {"degrees", "The same of `dilation_angle`."},
+  keys.number("residual_dilation_angle", s.residual_dilation_angle,
+              {"degrees", "Dilation angle after `softening_slip`; absent: it does not fall."},
               between(0, false, 90, true));
   keys.number("softening_slip", s.softening_slip,
               {"m",
@@ -378,9 +381,10 @@ void declare(Keys& keys, Soil& s) {
       "library", s.library,
       {"",
        "Shared library with the user's own model (umat): absolute, or from the folder the programs are started in."});
-  keys.numbers("properties", s.properties, {"", "Its constants, PROPS (umat)."});
+  keys.numbers("properties", s.properties, {"", "Constants of the user's own model, PROPS (umat)."});
   keys.integer("state_variables", s.state_variables,
-               {"", "How many numbers it remembers of a particle, NSTATV (umat)."}, between(0, false, 200, false));
+               {"", "Number of state variables of that model per particle, NSTATV (umat)."},
+               between(0, false, 200, false));
   declare_own_keys(keys, s);
 }
 

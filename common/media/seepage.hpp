@@ -10,11 +10,11 @@ namespace poretwin::porous {
 struct Resistance {
   double linear = 0.0;     ///< gamma_w n^2 / k, first term of Eq. (18), N s/m4
   double quadratic = 0.0;  ///< gamma_w n^3 b, second term of Eq. (91) as corrected, N s2/m5
-  /// R| / |w|, N s/m4, at the speed |w| [m/s].
+  /// |R| / |w|, N s/m4, at the speed |w| [m/s].
   [[nodiscard]] double coefficient(double speed) const { return linear + quadratic * speed; }
   /// d|R| / d|w|, N s/m4.
   [[nodiscard]] double slope(double speed) const { return linear + 2.0 * quadratic * speed; }
-  /// w| [m/s] at which |R| = force [N/m3].
+  /// |w| [m/s] at which |R| = force [N/m3].
   [[nodiscard]] double speed(double force) const;
 };
 

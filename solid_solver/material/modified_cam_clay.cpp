@@ -165,17 +165,20 @@ Material ModifiedCamClay::row() {
             0.1,
             {"", "lambda: specific volume over ln p on the line of normal compression (modified_cam_clay)."},
             positive()},
-           {"swelling_slope", 0.02, {"", "kappa: the same when unloaded; less than `compression_slope`."}, positive()},
+           {"swelling_slope",
+            0.02,
+            {"", "kappa: specific volume over ln p in unloading; less than `compression_slope`."},
+            positive()},
            {"critical_state_slope", 1.0, {"", "M: q / p at the critical state."}, positive(), true},
            {"overconsolidation_ratio",
             1.0,
-            {"", "Preconsolidation pressure over that of a yield surface through the stress at the start."},
+            {"", "Preconsolidation pressure over the one whose yield surface passes through the initial stress."},
             Range{.min = 1.0}},
            {"preconsolidation_pressure",
             0.0,
             {"Pa",
-             "In place of the ratio: the same everywhere, where the stress at the start does not need more; 0: by the "
-             "ratio."},
+             "Preconsolidation pressure, the same everywhere, in place of the ratio; where the initial stress needs a "
+             "larger one, that one counts; 0: from the ratio."},
             not_negative()}},
           [](const Soil& soil, const Material::Complain& complain) {
             if (soil.own("swelling_slope") >= soil.own("compression_slope"))
