@@ -31,8 +31,8 @@ struct Particles {
   std::vector<std::uint8_t> material;  ///< index of the soil
   ScalarArray material_state;          ///< state variables of the materials, one row per particle
   std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, else 0
-  VecArray<D> slip;      ///< m/s, slip of the soil along frictional walls (wall_friction.hpp); empty without such walls
-  VecArray<D> slipped;   ///< m, displacement that belongs to the wall slip
+  VecArray<D> slip;     ///< m/s, slip of the soil along frictional walls (wall_friction.hpp); empty without such walls
+  VecArray<D> slipped;  ///< m, displacement that belongs to the wall slip
   /// N/m3, at frictional walls: added to the body force in the slope of the stress there (wall_friction.hpp).
   VecArray<D> wall_slope;
   std::size_t held = 0;  ///< number of fixed particles, which are last
@@ -112,13 +112,14 @@ template <int D, class Number>
 
 /// One of the walls behind which an image lies. The acceleration vanishes at a fixed wall, its normal part at a roller.
 /// Hence stress varies across the wall as d(sigma n)/dn = -b with the body force b, and the mirrored stress is
-/// increased by 2 d (share b) n^T, with the parent's distance d from the wall.
+/// increased by 2 d (share b) n^T, with the parent's distance d from the wall. At a frictional wall b also holds what
+/// changes along the wall, and the shear beyond Coulomb's limit is taken off (fill_nodes, wall_friction.hpp).
 template <int D>
 struct Crossing {
   Vec<D> normal = Vec<D>::Zero();  ///< unit, into the soil
   double level = 0.0;              ///< normal . x [m] of the points x on the wall
-  Mat<D> share = Mat<D>::Zero();   ///< part of the parent's body force that counts: all of it (fixed) or its normal
-                                   ///< part (roller)
+  Mat<D> share = Mat<D>::Zero();   ///< part of the parent's body force that counts: all of it (fixed, frictional) or
+                                   ///< its normal part (roller)
   double friction = std::numeric_limits<double>::infinity();  ///< Coulomb's friction coefficient; infinite where
                                                               ///< nothing slips
 };

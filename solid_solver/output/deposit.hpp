@@ -6,8 +6,8 @@
 namespace poretwin::solid {
 
 /// Distance [m] of the soil's front from `from` along the line to `to`: the farthest place where the soil is at least
-/// `thickness` [m] thick, packed as at the start and measured along gravity. With a thickness of 0: of the last
-/// particle. 0 if there is no such place.
+/// `thickness` [m] thick, packed as at the start and measured along gravity. With a thickness of 0 it is the position
+/// of the outermost particle. 0 if there is no such place.
 template <int D>
 double front_position(const Setup<D>& setup, const State<D>& state, const Vec<D>& from, const Vec<D>& to,
                       double thickness);
