@@ -200,7 +200,8 @@ struct Regions {
 struct Motion {
   bool moving = false;
   double calm = 0.0;      ///< s, time for which the soil has hardly moved
-  double patience = 0.0;  ///< s of calm after which an equilibrium is tried again; grows when none is found then
+  double patience = 0.0;  ///< s of calm after which an equilibrium is tried again; doubles each time that the soil
+                          ///< begins to move, until one is found
   double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
          begun = 0.0;     ///< counters: windows with and without a search that moved the soil, displacements tried,
                           ///< times it began to move
