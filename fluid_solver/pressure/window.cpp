@@ -865,7 +865,9 @@ class WindowSolver {
         if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
       answers.emplace_back(n_, Vec<D>::Zero());
       const double whole = norm(drive);
-      out.skeleton_iterations += solve_H(std::move(drive), whole, negligible_power_ / (size * size), answers.back());
+      // However little power the skeleton's answer has, it is found: without it the pressure that closes the balance of
+      // volume in tight soil would be out of proportion.
+      out.skeleton_iterations += solve_H(std::move(drive), whole, 0.0, answers.back());
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];

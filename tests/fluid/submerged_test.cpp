@@ -1,8 +1,10 @@
-// Soil under free water, with both solvers joined by the coupler's mapping, without processes or sockets.
+// Soil full of water, with both solvers joined by the coupler's mapping, without processes or sockets.
 #include "common/core/error.hpp"
 #include "coupler/mapping.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "solid_solver/phase.hpp"
+#include "solid_solver/solid.hpp"
+#include "tests/coupling/coupled_run.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -131,6 +133,44 @@ TEST(Submerged, UnevenWaterSettles) {
   EXPECT_LT(worst.water, 0.1);
   EXPECT_LT(worst.soil, 1e-3);
   EXPECT_LT(worst.pressure, 0.05);
+}
+
+TEST(Submerged, SeepageAlongASlopeLeavesTightSoilAtRest) {
+  // A slope without ends: gravity is turned by 20 degrees, the sides are periodic, and the water table lies at the
+  // surface. Soil and water are at rest from the start, but for what the search for equilibrium leaves.
+  auto scene = submerged_bed();
+  scene.general.gravity = 9.81 * Point3(std::sin(0.349), -std::cos(0.349), 0.0);
+  scene.general.periodic = {0};
+  scene.general.domain_max = Point3(width, 2.0 * bed, 0.0);
+  scene.general.end_time = 0.1;
+  scene.solid.initial_seepage = true;
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.soils[0].cohesion = 1e7;
+  scene.soils[0].friction_angle = 30.0;
+  scene.soils[0].hydraulic_conductivity = 1e-5;
+  scene.walls = {scene.walls[1]};
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.water_faces = {pressure_face(line(width, bed, 0.0, bed), 0.0)};
+  Fluid<2> fluid(scene);
+  const auto soil = solid::make_solid(scene);
+  coupling::CoupledRun run;
+  run.broker.case_digest = scene.digest();
+  run.settings = {scene.general.end_time, std::nullopt, 0.0, 0.0};
+  run.run(&fluid, soil.get());
+  run.expect_success();
+  double worst = 0.0;
+  const coupling::Publication water = fluid.publish();
+  const auto& pressure = coupling::field_named(water.fields, std::string(coupling::field::pore_pressure)).values;
+  const auto& p = fluid.state().particles;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const double depth = bed - p.position[a].y();
+    worst = std::max(worst, std::abs(pressure[a] / (9810.0 * std::cos(0.349) * bed) - depth / bed));
+  }
+  std::printf("%.0f windows, %.0f solves missed their tolerance, pressure %.1e\n",
+              static_cast<double>(run.report.windows), fluid.counters().at("solves that missed their tolerance"),
+              worst);
+  EXPECT_EQ(fluid.counters().at("solves that missed their tolerance"), 0.0);
+  EXPECT_LT(worst, 1e-3);
 }
 
 }  // namespace
