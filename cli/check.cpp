@@ -17,6 +17,8 @@
 namespace poretwin::cli {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr double standard_gravity = 9.81;  // m/s2, with which conductivities are defined
 
 template <int D>
@@ -144,7 +146,6 @@ std::string check_text(const Case& scene, const CheckReport& report) {
 }
 
 nlohmann::ordered_json check_json(const Case& scene, const CheckReport& report) {
-  using Json = nlohmann::ordered_json;
   const auto& [amounts, particles, estimated, intervals] = report;
   Json json = json_head("check", 0, scene.warnings.empty() ? "sound" : "sound, with warnings");
   json["case_file"] = scene.path.string();

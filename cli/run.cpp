@@ -35,6 +35,8 @@ namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr int peer_failed = static_cast<int>(ExitCode::peer),
               interrupted_exit = static_cast<int>(ExitCode::interrupted);
 
@@ -450,7 +452,6 @@ RunResult run_case(const RunOptions& options) {
 
 nlohmann::ordered_json run_json(const std::string& case_name, const fs::path& case_file, const fs::path& out,
                                 const RunResult& result) {
-  using Json = nlohmann::ordered_json;
   const auto object = [](const Summary::Numbers& numbers) {
     Json json = Json::object();
     for (const auto& [name, value] : numbers) json[name] = json_number(value);

@@ -20,6 +20,8 @@ namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr double largest_factor = 100.0;
 
 class Search {
@@ -181,7 +183,6 @@ std::string safety_text(const Safety& safety) {
 }
 
 nlohmann::ordered_json safety_json(const RunOptions& options, double tolerance, const Safety& safety) {
-  using Json = nlohmann::ordered_json;
   const bool found = safety.run.exit == 0;
   Json json = json_head("safety", safety.run.exit, found ? "end" : safety.run.reason);
   json["case"] = options.case_name;

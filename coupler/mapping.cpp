@@ -26,9 +26,9 @@ class CloudMapping final : public SpatialMapping {
       return spec.mapping == coupling::Mapping::conservative &&
              !(all_zero(field_named(giver_fields, spec.name).values) && all_zero(account_of(giver, spec).undelivered));
     };
-    const typename PairBlocks<D>::Update both[] = {{&at_receivers, receiver_points, giver_points},
-                                                   {&at_givers, giver_points, receiver_points}};
-    PairBlocks<D>::update(std::span(both).first(std::any_of(specs.begin(), specs.end(), shared_out) ? 2 : 1));
+    const typename PairBlocks<D>::Update updates[] = {{&at_receivers, receiver_points, giver_points},
+                                                      {&at_givers, giver_points, receiver_points}};
+    PairBlocks<D>::update(std::span(updates).first(std::any_of(specs.begin(), specs.end(), shared_out) ? 2 : 1));
     Inbox inbox = map_consistent(at_receivers, giver_fields, specs, sharing_.weights_at(at_receivers));
     for (const auto& spec : specs) {
       if (spec.mapping != coupling::Mapping::conservative) continue;
