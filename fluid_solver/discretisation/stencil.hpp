@@ -193,8 +193,8 @@ struct Stencil {
   OrZero<double> prescribed_surface_distance;
   OrZero<double> surface_pressure;  ///< [real] Pa, total pressure on the surface: 0, or a suction
   MatArray<D> correction;           ///< [real] of the kernel gradient of pressures, with buffers and the free surface
-  /// [real] Smallest eigenvalue of the moment matrix, or a lower bound above points::inside_moment: 1 inside, 0 where a
-  /// direction has no neighbours. Used until the surface has been found.
+  /// [real] Smallest eigenvalue of the moment matrix: 1 inside, 0 where a direction has no neighbours. Where it exceeds
+  /// points::inside_moment, it may be a lower bound instead, which exceeds it, too. Used until the surface is found.
   UnsetArray<double> least_moment;
   /// [real] Distance to the free surface along -normal [m]; 0: out of the kernel's reach. Set by find_surface. The
   /// missing part of the kernel is then a ghost at twice the distance, antisymmetric about the surface's pressure.
@@ -254,7 +254,7 @@ struct Stencil {
     return sum;
   }
 
-  /// Amplification of the pair of real particle a and a point with parent q: the mean of both.
+  /// Amplification (`amplification`) of the pair of real particle a and a point with parent q: the mean of both.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
   }

@@ -28,23 +28,25 @@ inline constexpr double outside_asymmetry = 0.63;
 /// Unit: 1. Test: none known.
 inline constexpr double ramp_width = 0.32;
 
-/// Smoothing length of Eqs. (67)/(74), with the cubic spline of the paper (Bui & Nguyen 2017), and with its value.
+/// Smoothing length of the sums (67) and (74) of Bui & Nguyen (2017). Kernel (the cubic spline) and value are theirs.
 /// Unit: spacings of the soil. Test: Seepage.SmoothedDragIsAsStrongAsItsKernelSum (untried).
 inline constexpr double drag_smoothing_ratio = 1.2;
-/// eta^2 of Eqs. (67)/(74), which keeps the drag between coincident points finite.
+/// eta^2 of these sums, which keeps the drag between coincident points finite.
 /// Unit: h^2. Test: none known.
 inline constexpr double drag_softening = 1e-4;
 
-/// Largest number of changes from pass to pass in a repeated window that its quasi-Newton method uses. The reason for
-/// the value is not on record.
+/// In a repeated window a quasi-Newton method extrapolates from the changes between successive passes: largest number
+/// of changes that it uses. The reason for the value is not on record.
 /// Unit: passes. Test: Passes.ThreeSoftModesAgreeInFiveThoughRepeatedAsTheyAreTheyGrow (untried).
 inline constexpr std::size_t most_changes = 8;
-/// Least fraction of such a change that is linearly independent of the others; smaller ones are rounding errors.
+/// Least fraction of a change between passes that is linearly independent of the others; smaller ones are rounding
+/// errors.
 /// Unit: 1. Test: none known.
 inline constexpr double independent_change = 1e-6;
 
-/// Averaging time of the volumetric strain rate that the soil reports beyond its visible motion. A single window also
-/// sees the soil's shortest waves, which the mapping smooths.
+/// Averaging time of the difference between the volumetric strain rate that the soil reports and the divergence of its
+/// velocity as mapped to the water. In a single window this difference also contains the soil's shortest waves, since
+/// the mapping smooths them.
 /// Unit: windows. Test: Coupled.PredictsThatSoilClosesWhatItsOwnAccountOpens.
 inline constexpr double unseen_strain_windows = 8.0;
 

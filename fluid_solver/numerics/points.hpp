@@ -24,11 +24,11 @@ inline constexpr double least_inverted = 0.3;
 /// the Laplacian is corrected. Below it lies a surface.
 /// Unit: 1. Test: none known.
 inline constexpr double disorder_from = 0.75;
-/// Smallest divergence of position over the number of dimensions for which the Laplacian is corrected. On a lattice the
-/// Laplacian is off by 2.6 %.
+/// Lower bound of the divergence of position over the number of dimensions in the correction of the Laplacian. On a
+/// lattice the uncorrected Laplacian is off by 2.6 %.
 /// Unit: 1. Test: none known.
 inline constexpr double least_amplified = 0.93;
-/// Largest divergence of position over the number of dimensions for which the Laplacian is corrected.
+/// Upper bound of the divergence of position over the number of dimensions in that correction.
 /// Unit: 1. Test: none known.
 inline constexpr double most_amplified = 1.07;
 

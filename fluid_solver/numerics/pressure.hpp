@@ -8,9 +8,9 @@ namespace poretwin::fluid::pressure {
 /// 1e-4.
 /// Unit: 1. Test: FreeWater.DamBreakKeepsItsEnergy (untried).
 inline constexpr double free_water_tolerance = 1e-3;
-/// Smallest relative residual of the solve in soils of different conductivity. The most permeable soil sets the drive,
-/// to which the residual is relative; the least permeable one sets the flow, which the residual must not exceed.
-/// Smaller residuals are lost in rounding.
+/// Lower bound of the solve's tolerance in soils of different conductivity. The tolerance is relative to the flow that
+/// the most permeable soil could have, while the least permeable one may limit the actual flow. So the tolerance is
+/// divided by the contrast of the conductivities; below this bound rounding errors would exceed it.
 /// Unit: 1. Test: Seepage.SoilsInSeriesAndSideBySide (untried).
 inline constexpr double tightest_tolerance = 1e-11;
 /// Relative residual of the solve for the initial pressures. The reason for the value is not on record.
@@ -25,17 +25,19 @@ inline constexpr double response_tolerance = 1e-2;
 /// soil at rest and in the momentum (docs/notebook/fluid.md).
 /// Unit: 1. Test: Coupled.DragRelaxesAtItsRateAndKeepsMomentum (untried).
 inline constexpr double skeleton_tolerance = 1e-3;
-/// Residual of the solves for the two fields' blocks when they precondition the iteration for both fields together.
+/// Where pressure and skeleton velocity are solved for together, a solve for each of them preconditions the iteration:
+/// residual at which these two solves end.
 /// Unit: 1. Test: none known (iterations, not results).
 inline constexpr double preconditioner_tolerance = 1e-1;
-/// Least bulk density of a skeleton that responds in the solve, over that of water.
+/// Least bulk density of soil whose skeleton is solved for together with the water, over the density of water.
 /// Unit: 1. Test: none known.
 inline constexpr double least_responding = 1e-6;
 
-/// Root mean square of the drag's error by its tangent, over inertia and drag, above which a window is solved again.
+/// Error (rms) of the tangent that replaces the quadratic drag, over the sum of inertia and drag, above which a window
+/// is solved again.
 /// Unit: 1. Test: Coupled.QuadraticDragFollowsItsClosedFormAndKeepsMomentum (untried).
 inline constexpr double drag_tolerance = 0.02;
-/// Largest number of solves of a window for its drag. The reason for the value is not on record.
+/// Largest number of such solves in a window. The reason for the value is not on record.
 /// Unit: solves. Test: none known.
 inline constexpr int most_drag_rounds = 10;
 
@@ -66,10 +68,10 @@ inline constexpr int most_cavitation_rounds = 30;
 /// set, and voids must still open by it to remain. It is larger than the error of a solve.
 /// Unit: 1. Test: none known.
 inline constexpr double cavitation_tolerance = 1e-4;
-/// Weight of a row that fixes cavitating water at its pressure, over the row's diagonal.
+/// Weight with which a matrix row fixes the pressure of a cavitating particle, over the row's diagonal.
 /// Unit: 1. Test: none known.
 inline constexpr double cavitating_weight = 1e6;
-/// Weight of a row whose pressure is prescribed, over the row's diagonal.
+/// Weight with which a matrix row fixes a prescribed pressure, over the row's diagonal.
 /// Unit: 1. Test: none known.
 inline constexpr double pinned_weight = 1e3;
 

@@ -31,10 +31,11 @@ inline constexpr double cone = 0.5;
 /// Unit: 1. Test: none known.
 inline constexpr double narrow_cone = 0.7071;
 
-/// Least |sum V grad W| h of a surface particle, by its missing side; at a flat surface it is 0.7.
+/// |sum V grad W| h measures how much of a particle's kernel is empty on one side: least value of a surface particle.
+/// At a flat surface it is 0.7.
 /// Unit: 1. Test: none known.
 inline constexpr double first_row = 0.1;
-/// Least |sum V grad W| h of a particle in the row below the surface, by its missing side.
+/// Least |sum V grad W| h of a particle in the row below the surface.
 /// Unit: 1. Test: none known.
 inline constexpr double second_row = 0.03;
 

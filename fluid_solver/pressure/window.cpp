@@ -238,9 +238,9 @@ class WindowSolver {
   /// border. Along it, the rows beside the border lose a third of a spacing of mobility in the more permeable soil and
   /// gain as much in the other: a lens would act as if it were thicker, a drain as if it were thinner.
   ///
-  /// Pairs within either soil are scaled by 1 + s (t^2 - c n^2), with the components n and t of their direction across
-  /// and along the border. c keeps the flux across the border unchanged; s, the mean of both particles', gives the flux
-  /// along it the soil's own mobility.
+  /// Pairs within either soil are scaled by 1 + s (t^2 - q n^2), with the components n and t of their direction across
+  /// and along the border. q (`still`) keeps the flux across the border unchanged. s, the mean of both particles'
+  /// values, gives the flux along the border the soil's own mobility.
   void free_along_borders() {
     const auto& number = soil_.number;
     if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
@@ -303,8 +303,8 @@ class WindowSolver {
 
   /// Updates the set of cavitating particles; returns whether it has changed. Water cavitates rather than sustain less
   /// than the cavitation pressure: at the window's end neither the pressure above that value nor the void volume is
-  /// negative, and one of them is zero (a complementarity). An active set solves this: the pressure of cavitating rows
-  /// is fixed, and their residual of continuity is the rate at which voids open.
+  /// negative, and one of them is zero (a complementarity). An active set solves this: the pressure of cavitating
+  /// particles is fixed, and the residual of their continuity equation is the rate at which voids open.
   bool update_cavitating(WindowSolution<D>& out) {
     const auto below = [&](std::size_t a) {
       return out.pressure[a] < cavitation_pressure(a) + pressure::cavitation_tolerance * in_.cavitation && !pinned(a);
