@@ -3,8 +3,8 @@
 
 namespace poretwin::solid::material {
 
-/// Relative difference of two numbers from which on their logarithmic mean is evaluated as such. Below it the
-/// arithmetic mean is as exact.
+/// Relative difference of two numbers above which their logarithmic mean is evaluated by its formula. Below it the
+/// arithmetic mean is used, which is as exact there.
 /// Unit: 1. Test: none known.
 inline constexpr double logarithmic_from = 1e-4;
 /// Angle by which a trial stress turns the deviator, up to which the deviator counts as not turned.
@@ -38,11 +38,11 @@ inline constexpr double finest = 256.0;
 
 namespace poretwin::solid::element {
 
-/// Residual of a test's conditions at the end of a step, expressed in strains, over that at its beginning, which is
-/// accepted.
+/// Accepted residual of a test's conditions on stress and strain at the end of a step, over the residual at its
+/// beginning. Residuals of stress are divided by the constrained modulus.
 /// Unit: 1. Test: none known.
 inline constexpr double reached = 1e-10;
-/// Difference of strain for the numerical tangent, over the strain that is sought.
+/// Change of the strain by which the tangent is found numerically, over the strain that is sought.
 /// Unit: 1. Test: none known (time, not results).
 inline constexpr double probe = 1e-4;
 /// Fraction of the largest pivot below which a direction of strain counts as without effect on the conditions.

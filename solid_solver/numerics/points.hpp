@@ -54,8 +54,8 @@ inline constexpr double bulk_viscosity = 0.35;
 /// Unit: 1. Test: ArtificialStress.PartsTheCloseOnesInTensionAndKeepsMomentum (untried).
 inline constexpr double artificial_stress_exponent = 2.55;
 
-/// Width of the tiles by which pair lists are checked, beyond two smoothing lengths: particles of tiles that do not
-/// touch are at least 2 h and this width apart.
+/// Pair lists hold pairs up to 2 h plus a margin, the skin. Whether they are still valid is checked tile by tile;
+/// particles of tiles that do not touch are at least a tile's width apart. By how much this width exceeds 2 h.
 /// Unit: skins. Test: Lists.HoldWhileNeighboursMoveAlong (untried).
 inline constexpr double tile_reach = 6.0;
 

@@ -15,7 +15,7 @@ inline constexpr double local_share = 0.05;
 /// Change of the degree of saturation that ends a rest, in soil whose cohesion depends on it.
 /// Unit: 1. Test: Regions.WakeForWater (untried).
 inline constexpr double softening = 0.01;
-/// Departure from rest (rms) below which waves in soil that runs without water are damped.
+/// Departure from rest (rms) below which waves are damped in soil that is computed without water.
 /// Unit: `wake_above` of the case. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
 inline constexpr double damped_below = 10.0;
 

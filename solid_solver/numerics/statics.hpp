@@ -22,8 +22,8 @@ inline constexpr double plastic_error = 1e-4;
 /// Departure from rest below which no equilibrium is searched for.
 /// Unit: 1. Test: none known.
 inline constexpr double negligible_unrest = 3e-3;
-/// Frequency of the springs that fix soil without inertia in the search's preconditioner, since its walls may not fix
-/// it.
+/// In the search's preconditioner soil has no inertia, and its walls may not fix it in place. Weak springs do: their
+/// frequency.
 /// Unit: of the slowest wave of a column. Test: none known.
 inline constexpr double held_by_nothing = 0.03;
 /// Averaged force per mass from which on a particle counts as moving.

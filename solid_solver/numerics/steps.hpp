@@ -22,8 +22,8 @@ inline constexpr double courant_soft_3d = 1.3;
 
 /// Longest window in which the waves in the soil are resolved by substeps. The pore pressure is constant in a window.
 /// It stops the compression of undrained soil only where the soil's shortest waves pass less than half a period in the
-/// window, omega Dt < pi. With the substep dt these have omega dt of about 1. In windows of four substeps the noise of
-/// a sudden load does not die out in a column of k = 1e-6 m/s.
+/// window: omega Dt < pi with their angular frequency omega, which is about 1 / dt with the substep dt. In windows of
+/// four substeps the noise of a sudden load does not die out in a column of k = 1e-6 m/s.
 /// Unit: substeps. Test: Window.ConsolidatesWithAnAnalyticPartner (untried).
 inline constexpr double substeps_while_moving = 2.0;
 
@@ -32,12 +32,12 @@ inline constexpr double substeps_while_moving = 2.0;
 /// Unit: 1. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
 inline constexpr double noticed = 0.05;
 /// Force borne by neither phase (docs/theory/coupling.md, section 3) above which the first pass through a window is
-/// repeated. With 0.003, the bound of later passes, an embankment with a yielding skin at a spacing of 1 cm keeps 0.003
-/// to 0.01 of it, and its passes do not converge.
+/// repeated. With 0.003, the bound of later passes, the passes of an embankment with a yielding skin at a spacing of 1
+/// cm do not converge: such a force of 0.003 to 0.01 of the weight remains.
 /// Unit: the weight. Test: none known.
 inline constexpr double worth_repeating = 0.02;
-/// Number of successive windows with such a force after which further ones count for the run's warning. Fewer are
-/// explained by a sudden change of the soil's motion, as under a load that begins.
+/// Successive windows with such a force that are not warned of: a sudden change of the soil's motion, as under a load
+/// that begins, explains that many. The windows after them count for the run's warning.
 /// Unit: windows. Test: none known.
 inline constexpr double few_held = 5.0;
 /// Plastic shear strain in a window for which the length of the next window is chosen; only a local part of the soil
