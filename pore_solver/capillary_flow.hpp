@@ -8,8 +8,8 @@
 
 namespace poretwin::pore {
 
-/// The flow between two points a and b, with Phi the integral of k_r over the pressure head psi, K the saturated
-/// conductivity and T the area over the distance:
+/// The flow between two points a and b at the elevations z_a and z_b, with the relative permeability k_r, its integral
+/// Phi over the pressure head psi, the saturated conductivity K, and the link's transmissibility T (area over distance):
 ///
 ///   F_ab = K T [Phi_a - Phi_b + k_g (z_a - z_b)]
 ///
@@ -17,9 +17,10 @@ namespace poretwin::pore {
 /// psi_b). Water at rest under suction then stays at rest exactly.
 ///
 /// Elsewhere k_g = w k_r(upper) + (1 - w) k_r(lower) with w = 1 / (1 - exp(-p)) - 1 / p and p = (z_a - z_b) k_r' / k_r
-/// at the lower point. This is the mean where the permeability changes little over the distance, and the upstream value
-/// where it changes much, so that wetting fronts do not oscillate. With exponential curves (Gardner's) the steady flow
-/// is exact (Scharfetter & Gummel 1969). The two forms are equal where the heads are.
+/// at the lower point, where k_r' is the slope of k_r over psi. This is the mean where the permeability changes little
+/// over the distance, and the upstream value where it changes much, so that wetting fronts do not oscillate. With
+/// exponential curves (Gardner's) the steady flow is exact (Scharfetter & Gummel 1969). The two forms are equal where
+/// the heads are.
 ///
 /// Across the border of two soils the law of each gives a flow for the two heads. Their harmonic mean is the flow
 /// through the two halves of the distance in series.

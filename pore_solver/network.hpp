@@ -44,7 +44,7 @@ struct Network {
   ScalarArray volume;                ///< of each cell, m3 (2D: m2)
   ScalarArray elevation;             ///< m, along -gravity
   std::vector<Filling> fillings;     ///< of all cells, at the elevations of their corners: fractions from 0 to 1
-  std::vector<Index> first_filling;  ///< index of each cell's first filling, and the number of all
+  std::vector<Index> first_filling;  ///< index of each cell's first filling; last entry: their number
   std::vector<Link> links;           ///< sorted by a, then b
   std::vector<Segment> segments;     ///< sorted by point
   [[nodiscard]] std::size_t size() const { return position.size(); }

@@ -91,8 +91,8 @@ class Stepper {
   /// For each link between full points of soil that moves [m2, 2D: m]: volume of water that it passes per metre of
   /// change in the difference of the heads that the skeleton bears.
   ScalarArray evens_;
-  ScalarArray passed_, before_;  ///< m3 (2D: m2), volume that leaves each point in this way as heads rise from zero:
-                                 ///< present, and at the step's start
+  ScalarArray passed_, before_;  ///< m3 (2D: m2), volume that has left each point through these links as heads rose
+                                 ///< from zero: now, and at the step's start
   double carried_ = 0.0;         ///< m3 (2D: m2), sum of the differences between the stored water and the variables'
                                  ///< water at the step's start
   std::vector<char> stopped_;
