@@ -16,8 +16,9 @@
 namespace poretwin::coupling {
 
 /// Margin (Verlet skin) added to every support radius, as a fraction of the largest one: lists stay valid until the
-/// largest displacements in both clouds sum to it. After `vain_lists` lists in a row that served no second update,
-/// and would not have with this margin, only `no_skin` is added, for rounding: longer lists would save no rebuild.
+/// largest displacements in both clouds sum to it. A list is vain if it served for one update only, and would have with
+/// this margin, too. After `vain_lists` such lists in a row only `no_skin` is added, against rounding: longer lists
+/// would save no rebuild.
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 inline constexpr int vain_lists = 4;
 

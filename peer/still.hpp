@@ -9,14 +9,15 @@
 
 namespace poretwin::peer {
 
-/// Value of a field of the standard contract at x [m]; 0 for other fields.
+/// Value at x [m] of an exchanged field of the standard contract (docs/protocol.md) in this state of rest; 0 for other
+/// fields.
 double still_value(const Case& scene, const std::string& field, const Point3& x);
 
-/// Lattice points of the case's soils, or of its water regions (where there are none, of its soils), with their images
-/// behind walls as ghosts.
+/// Lattice points with their images behind walls as ghosts: for the solid in the case's soils; for the fluid in its
+/// regions of water or, where the case has none, in its soils.
 coupling::PointSet still_points(const Case& scene, coupling::Role role);
 
-/// The phase that gives these values at these points, whatever it receives.
+/// A phase that publishes still_value() at still_points() in every window, whatever it receives.
 std::unique_ptr<Phase> make_still(const Case& scene, coupling::Role role);
 
 }  // namespace poretwin::peer
