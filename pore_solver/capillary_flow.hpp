@@ -9,7 +9,7 @@
 namespace poretwin::pore {
 
 /// The flow between two points a and b at the elevations z_a and z_b, with the relative permeability k_r, its integral
-/// Phi over the pressure head psi, the saturated conductivity K, and the link's transmissibility T (area over distance):
+/// Phi over the pressure head psi, the saturated conductivity K, and the transmissibility T (area over distance):
 ///
 ///   F_ab = K T [Phi_a - Phi_b + k_g (z_a - z_b)]
 ///
