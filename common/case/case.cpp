@@ -397,24 +397,25 @@ void declare(Keys& keys, Quiet& q) {
   keys.number(
       "wake_above", q.wake_above,
       {"g",
-       "Sleep ends when the force on a particle has changed by more. That bounds the error of the stress by as much of "
-       "rho g H, H the height of the soil."},
+       "Sleep ends when the force on a particle has changed by more than this acceleration times its mass. The error "
+       "of the stress is then at most this fraction of rho g H, with the density rho and the height H of the soil."},
       positive());
   keys.flag(
       "damping", q.damping,
       {"",
        "Near-critical damping in quasi-static windows while the departure from rest is below 10 `wake_above`; off from "
        "the first yielding until the soil is quiet again. Regions (`regions`) are damped likewise before they sleep."});
-  keys.number("regions", q.regions,
-              {"g",
-               "Regions at rest around soil that flows (plastic strain above 1 %) sleep, too. A region sleeps when, in "
-               "the time in which waves cross the soil eight times, it has dissipated next to nothing and moved by no "
-               "more than this acceleration would move it. Its pairs and stresses are not computed; to the soil that "
-               "moves it stands still. It wakes when a force from outside changes by more than `wake_above`, when the "
-               "force of its neighbours changes by as much as such an error of the stress makes, or when something "
-               "moves beside it. docs/performance.md measures 5e-3; 0: the soil sleeps as a whole only. Not with "
-               "periodic sides."},
-              not_negative());
+  keys.number(
+      "regions", q.regions,
+      {"g",
+       "Regions at rest around soil that flows (plastic strain above 1 %) sleep, too. A region sleeps when, in "
+       "the time in which waves cross the soil eight times, it has dissipated next to nothing and moved by no "
+       "more than this acceleration would move it. Its pairs and stresses are not computed; to the soil that "
+       "moves it stands still. It wakes when a force from outside on a particle changes by more than `wake_above`, "
+       "when the force of its neighbours on a particle changes by as much as an error of the stress of "
+       "`wake_above` times rho g H would change it, or when something moves beside it. docs/performance.md has "
+       "measurements with 5e-3; 0: the soil sleeps as a whole only. Not with periodic sides."},
+      not_negative());
 }
 
 void declare(Keys& keys, Wall& w) {
