@@ -49,7 +49,7 @@ namespace {
 
 using Arguments = CommandLine::Arguments;
 
-constexpr const char* description =
+constexpr const char* program_description =
     "Two-phase SPH for flow through deformable porous media: a fluid and a solid process, coupled.";
 constexpr const char* case_help = "name of a folder below cases/, or path to a folder or TOML file";
 
@@ -409,7 +409,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
 }  // namespace
 
 CommandLine::CommandLine(JsonOutput& json)
-    : CLI::App(description, "poretwin"), arguments_(std::make_unique<Arguments>()) {
+    : CLI::App(program_description, "poretwin"), arguments_(std::make_unique<Arguments>()) {
   declare(*this, *arguments_, json, action_);
 }
 CommandLine::~CommandLine() = default;
