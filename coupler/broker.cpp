@@ -166,7 +166,7 @@ class Broker::Implementation {
       const Span span(totals_.sending, options_.trace, "sending");
       sent = send_to(p, std::move(message));
     }
-    if (!sent) fail_unreachable(p);
+    if (!sent) expect_goodbye(p);
   }
 
   void abort(const Error& error, const std::string& culprit) {
@@ -223,10 +223,11 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
-  /// Throws because a message could not be delivered. A connection that has closed meanwhile is reported in its place.
-  [[noreturn]] void fail_unreachable(const Peer& p) {
+  /// A message could not be delivered: throws, unless the participant's goodbye has arrived meanwhile. A connection that
+  /// closed without one is reported as such.
+  void expect_goodbye(const Peer& p) {
     while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
-    fail(p, "is unreachable: nobody at the end of its line");
+    if (!p.left) fail(p, "is unreachable: nobody at the end of its line");
   }
 
   bool send_to(Peer& p, Message message) {
@@ -267,7 +268,7 @@ class Broker::Implementation {
       auto& p = peer(role);
       if (p.line.empty() || p.left) continue;
       const Heartbeat beat{"waiting", waiting_for == p.name ? "" : waiting_for, 0.0, false};
-      if (!send_to(p, message_of(beat, p.step))) fail_unreachable(p);
+      if (!send_to(p, message_of(beat, p.step))) expect_goodbye(p);
     }
   }
 

@@ -722,7 +722,7 @@ void declare(Keys& keys, Gauge& g) {
       {"", "Name of the series, without commas, quotes and line breaks; `name[i]` where there are several points.",
        true});
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
-  keys.text("kind", g.kind, {"", gauge_kinds_text(), true});
+  keys.text("kind", g.kind, {"", "What is read: [kinds of gauges](#kinds-of-gauges).", true});
   keys.text("quantity", g.quantity,
             {"",
              "With `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. With `momentum`: "
@@ -948,7 +948,8 @@ std::string case_reference() {
          describe_keys([&](Keys& keys) {
            declare_shared(keys, scene);
            declare_own(keys, scene);
-         });
+         }) +
+         "\n## Kinds of gauges\n\n" + gauge_kinds_table();
 }
 
 }  // namespace poretwin

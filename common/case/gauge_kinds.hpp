@@ -82,19 +82,11 @@ bool asks_for(const Gauges& gauges, std::string_view phase, std::string_view kin
   return false;
 }
 
-/// Text on all kinds for docs/case-file.md.
-inline std::string gauge_kinds_text() {
-  std::string text;
-  for (const std::string_view phase : {"either", "fluid", "solid"}) {
-    text += text.empty() ? "Of either phase: " : phase == "fluid" ? " Of the fluid: " : " Of the solid: ";
-    std::string separator;
-    for (const auto& kind : gauge_kinds) {
-      if (kind.phase != phase) continue;
-      text += separator + "`" + std::string(kind.name) + "` (" + std::string(kind.meaning) + ")";
-      separator = ", ";
-    }
-    text += ".";
-  }
+/// Table of all kinds for docs/case-file.md.
+inline std::string gauge_kinds_table() {
+  std::string text = "| Kind | Phase | Reads |\n| --- | --- | --- |\n";
+  for (const auto& [name, phase, meaning] : gauge_kinds)
+    text += "| `" + std::string(name) + "` | " + std::string(phase) + " | " + std::string(meaning) + " |\n";
   return text;
 }
 
