@@ -45,7 +45,8 @@ struct CoupledRun {
   bool resume = false, only_coupler_keeps = false;
   std::uint64_t stop_after = 0;  ///< windows after which Ctrl-C is simulated; 0: never
   Scheme scheme;
-  std::function<std::string(const std::string&)> route;  ///< address for participants, given the coupler's
+  std::function<std::string(const std::string&)> route;            ///< address for participants, given the coupler's
+  std::function<std::unique_ptr<Hub>(std::unique_ptr<Hub>)> wrap;  ///< what the coupler gets in place of its hub
   // Results.
   Fate fluid, solid, coupler;
   MemoryRecorder fluid_record, solid_record;
@@ -72,6 +73,7 @@ struct CoupledRun {
     else
       hub = bind_socket(line == Line::ipc ? "ipc://" + socket_path() : "tcp://127.0.0.1:*");
     address_ = route ? route(hub->address()) : hub->address();
+    if (wrap) hub = wrap(std::move(hub));
     std::thread fluid_thread([&] { drive(fluid_phase, Role::fluid, fluid_record, fluid, fluid_participant_); });
     std::thread solid_thread([&] { drive(solid_phase, Role::solid, solid_record, solid, solid_participant_); });
     guard(coupler, [&] {

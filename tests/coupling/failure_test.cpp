@@ -33,6 +33,46 @@ TEST_P(FailureOnEveryLine, ADeathIsNamedToEverybodyAtOnce) {
   }
 }
 
+/// A hub in which the first participant that says goodbye is out of reach before the coupler has read it.
+class GoneAtGoodbye final : public Hub {
+ public:
+  /// missed: set to true when a message could not be delivered.
+  GoneAtGoodbye(std::unique_ptr<Hub> hub, bool& missed) : hub_(std::move(hub)), missed_(missed) {}
+  bool send(const std::string& line, Frames frames) override {
+    const bool sent = (!goodbye_ || goodbye_->line != line) && hub_->send(line, std::move(frames));
+    missed_ = missed_ || !sent;
+    return sent;
+  }
+  std::optional<Event> receive(Milliseconds timeout) override {
+    if (missed_ && goodbye_) return std::exchange(goodbye_, std::nullopt);
+    if (goodbye_) {  // nothing else arrives before it
+      std::this_thread::sleep_for(timeout);
+      return std::nullopt;
+    }
+    auto event = hub_->receive(timeout);
+    if (missed_ || !event || event->frames.empty() || !std::holds_alternative<Bye>(decode(event->frames).body))
+      return event;
+    goodbye_ = std::move(event);
+    return std::nullopt;
+  }
+  [[nodiscard]] std::string address() const override { return hub_->address(); }
+
+ private:
+  std::unique_ptr<Hub> hub_;
+  bool& missed_;
+  std::optional<Event> goodbye_;
+};
+
+TEST(Failure, AHeartbeatThatMeetsAGoodbyeIsNone) {
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid)), solid(Role::solid, 2, still_square(Role::solid));
+  CoupledRun run;
+  bool missed = false;
+  run.wrap = [&](std::unique_ptr<Hub> hub) { return std::make_unique<GoneAtGoodbye>(std::move(hub), missed); };
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_TRUE(missed);
+}
+
 TEST_P(FailureOnEveryLine, AFrozenPeerIsToldFromASlowOne) {
   MockKnobs knobs;
   CoupledRun run;
