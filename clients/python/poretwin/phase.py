@@ -41,15 +41,15 @@ class Points:
     position: np.ndarray  # [n, dimension] m
     volume: np.ndarray  # [n] m^dimension
     smoothing_length: np.ndarray  # [n] m; the kernel of a point reaches twice this length
-    n_active: int = None  # default: all
-    owner: np.ndarray = None  # [n] index of the active point of which a ghost is an image; -1: none
+    n_active: int = -1  # -1: all
+    owner: np.ndarray = field(default_factory=lambda: np.empty(0))  # [n] the active point a ghost is an image of; -1: none
     revision: int = 0  # change it with any of the arrays above
 
     def __post_init__(self) -> None:
         n = len(self.volume)
-        if self.n_active is None:
+        if self.n_active < 0:
             self.n_active = n
-        if self.owner is None:
+        if len(self.owner) == 0:
             self.owner = np.where(np.arange(n) < self.n_active, np.arange(n), -1.0)
 
     def __len__(self) -> int:
