@@ -17,8 +17,6 @@
 namespace poretwin::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double standard_gravity = 9.81;  // m/s2, with which conductivities are defined
 
 template <int D>

@@ -16,8 +16,6 @@
 #include <regex>
 
 namespace poretwin::cli {
-using Json = nlohmann::ordered_json;
-
 JsonOutput::~JsonOutput() {
   if (stdout_ >= 0) ::close(stdout_);
 }

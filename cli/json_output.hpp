@@ -9,6 +9,8 @@
 
 namespace poretwin::cli {
 
+using Json = nlohmann::ordered_json;
+
 class JsonOutput {
  public:
   JsonOutput() = default;
@@ -22,7 +24,7 @@ class JsonOutput {
   [[nodiscard]] bool wanted() const { return !file_.empty(); }
   [[nodiscard]] const std::string& command() const { return command_; }
   /// Replaces the JSON written before. Stdout receives only the last one, from finish(). Throws FileError.
-  void write(const nlohmann::ordered_json& json);
+  void write(const Json& json);
   /// Prints the JSON where stdout was chosen. Throws FileError.
   void finish();
 
@@ -32,13 +34,13 @@ class JsonOutput {
 };
 
 /// The head of every command's result: "command", "version", "exit", "reason".
-nlohmann::ordered_json json_head(const std::string& command, int exit, const std::string& reason);
+Json json_head(const std::string& command, int exit, const std::string& reason);
 
 /// The result of a command that could not begin: the head, and "error" with "message", "file", "line" and "key", which
 /// are null where unknown.
-nlohmann::ordered_json json_error(const std::string& command, int exit, const std::string& message);
+Json json_error(const std::string& command, int exit, const std::string& message);
 
 /// A number as JSON; null for infinity and NaN, which JSON does not have.
-nlohmann::ordered_json json_number(double value);
+Json json_number(double value);
 
 }  // namespace poretwin::cli

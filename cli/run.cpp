@@ -35,8 +35,6 @@ namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int peer_failed = static_cast<int>(ExitCode::peer),
               interrupted_exit = static_cast<int>(ExitCode::interrupted);
 

@@ -20,8 +20,6 @@ namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double largest_factor = 100.0;
 
 class Search {

@@ -17,7 +17,6 @@ namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::ordered_json;
 constexpr int interrupted = static_cast<int>(ExitCode::interrupted);
 
 struct CaseVerdict {

@@ -949,7 +949,7 @@ std::string case_reference() {
            declare_shared(keys, scene);
            declare_own(keys, scene);
          }) +
-         "\n## Kinds of gauges\n\n" + gauge_kinds_table();
+         "## Kinds of gauges\n\n" + gauge_kinds_table();
 }
 
 }  // namespace poretwin

@@ -1,11 +1,8 @@
 // A scene and its copy at another size, scaled by Froude's law (time with the square root of length; conductivity,
 // stiffness, cohesion, viscosity and pressures accordingly), give the same numbers. A difference would come from an
 // absolute number in the code. Sizes are powers of sixteen, so that square roots are exact and rounding is the same.
-// rounds alike.
 #include "common/geometry/shapes.hpp"
-#include "fluid_solver/fluid_phase.hpp"
-#include "solid_solver/solid.hpp"
-#include "tests/coupling/coupled_run.hpp"
+#include "tests/fluid/both_solvers.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -92,17 +89,12 @@ Numbers run_alone(const Case& scene, double length, double end) {
 
 Numbers run_coupled(const Case& scene, double length) {
   const Case mine = scaled(scene, length);
-  Fluid<2> fluid(mine);
-  const auto soil = solid::make_solid(mine);
-  coupling::CoupledRun run;
-  run.broker.case_digest = mine.digest();
-  run.settings = {mine.general.end_time, std::nullopt, 0.0, 0.0};
-  run.run(&fluid, soil.get());
-  run.expect_success();
+  BothSolvers both(mine);
+  both.run_to_end();
   Numbers numbers;
-  numbers.windows = static_cast<double>(run.report.windows);
-  add(numbers, fluid, length);
-  for (const double x : soil->publish().points.position) numbers.values.push_back(x / (0.1 * length));
+  numbers.windows = static_cast<double>(both.run.report.windows);
+  add(numbers, both.fluid, length);
+  for (const double x : both.soil->publish().points.position) numbers.values.push_back(x / (0.1 * length));
   return numbers;
 }
 
@@ -223,14 +215,11 @@ TEST(Similarity, ClayConsolidatesForYearsInFewWindows) {
   Gauge top = gauge("settlement", "point", {Point3(0.5, height, 0.0)}, "displacement_y");
   top.phase = "solid";
   scene.gauges = {top};
-  Fluid<2> fluid(scene);
-  const auto soil = solid::make_solid(scene);
-  coupling::CoupledRun run;
-  run.broker.case_digest = scene.digest();
+  BothSolvers both(scene);
+  coupling::CoupledRun& run = both.run;
   run.settings = {end, std::nullopt, 0.0, end / 40.0};
   run.stop_after = 301;
-  run.run(&fluid, soil.get());
-  run.expect_success();
+  both.run_to_end();
   EXPECT_FALSE(run.report.interrupted) << "at " << run.report.time << " s";
   double worst = 0.0;
   for (const auto& reading : run.solid_record.series) {

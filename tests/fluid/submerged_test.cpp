@@ -3,8 +3,7 @@
 #include "coupler/mapping.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "solid_solver/phase.hpp"
-#include "solid_solver/solid.hpp"
-#include "tests/coupling/coupled_run.hpp"
+#include "tests/fluid/both_solvers.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -151,13 +150,9 @@ TEST(Submerged, SeepageAlongASlopeLeavesTightSoilAtRest) {
   scene.walls = {scene.walls[1]};
   scene.fluid.regions = {scene.soils[0].shape};
   scene.water_faces = {pressure_face(line(width, bed, 0.0, bed), 0.0)};
-  Fluid<2> fluid(scene);
-  const auto soil = solid::make_solid(scene);
-  coupling::CoupledRun run;
-  run.broker.case_digest = scene.digest();
-  run.settings = {scene.general.end_time, std::nullopt, 0.0, 0.0};
-  run.run(&fluid, soil.get());
-  run.expect_success();
+  BothSolvers both(scene);
+  both.run_to_end();
+  const Fluid<2>& fluid = both.fluid;
   double worst = 0.0;
   const coupling::Publication water = fluid.publish();
   const auto& pressure = coupling::field_named(water.fields, std::string(coupling::field::pore_pressure)).values;
@@ -167,7 +162,7 @@ TEST(Submerged, SeepageAlongASlopeLeavesTightSoilAtRest) {
     worst = std::max(worst, std::abs(pressure[a] / (9810.0 * std::cos(0.349) * bed) - depth / bed));
   }
   std::printf("%.0f windows, %.0f solves missed their tolerance, pressure %.1e\n",
-              static_cast<double>(run.report.windows), fluid.counters().at("solves that missed their tolerance"),
+              static_cast<double>(both.run.report.windows), fluid.counters().at("solves that missed their tolerance"),
               worst);
   EXPECT_EQ(fluid.counters().at("solves that missed their tolerance"), 0.0);
   EXPECT_LT(worst, 1e-3);
