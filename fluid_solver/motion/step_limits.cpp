@@ -78,7 +78,7 @@ bool load_begins(const Setup<D>& setup, double time) {
   });
 }
 
-/// The shortest window that a change of pressure can require is a fifth of the time in which the soil's waves pass a
+/// The shortest window that a change of pressure can require is twice the time in which the soil's waves pass a
 /// spacing.
 ///
 /// In elastic soil that is wet from the start, the first window is a fifth of the time in which a spacing drains, where
@@ -97,7 +97,7 @@ void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interv
                         n[a] * n[a] * view.modulus[a] / (view.drag[a] * setup.spacing * setup.spacing));  // c_v / dx^2
   }
   if (!setup.responds || stiffest <= 0.0) return;
-  first_interval = steps::first_wave * setup.spacing / std::sqrt(stiffest / setup.density);
+  first_interval = steps::shortest_in_waves * setup.spacing / std::sqrt(stiffest / setup.density);
   state.controlled = std::max(first_interval, interval > 0.0 ? interval
                                               : drains > 0.0 ? steps::first_drained / drains
                                                              : 0.0);

@@ -13,13 +13,18 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// The part of the velocity's divergence [1/s], before this window's forces act, that is deferred to later windows: in
-/// free water with one-sided neighbours. In windows shorter than half the longest one that the water's motion allows,
-/// only a fraction is removed, the window's length over that half, for each particle by its own motion.
+/// The part of the divergence [1/s] left by the last window's solve that is deferred to later windows: in free water
+/// with one-sided neighbours. In windows shorter than half the longest one that the water's motion allows, only a
+/// fraction is removed, the window's length over that half, for each particle by its own motion.
 ///
 /// With few neighbours on one side, a pressure gradient can reverse a divergence and leave it larger, by a few percent
 /// per solve, whatever the window's length. In many short windows it would grow until the water flies apart. The first
 /// window removes all of the initial divergence.
+///
+/// Nothing is deferred in soil. Soil that falls on a floor closes the film of water under it within a millisecond; a
+/// film that may be compressed for the several milliseconds of a deferral takes up the blow and returns it. Half-way
+/// into the soil half is deferred, of the divergence with the soil's motion as the last solve predicted it: the
+/// difference from its actual motion is a source of its own (volume_source).
 template <int D>
 ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
                                 const SoilView<D>& view, double interval) {
@@ -29,12 +34,12 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
   parallel_for(p.size(), [&](std::size_t a) {
     if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, p, view, a) &&
         s.length(a) * s.normal[a].norm() > motion::even_surroundings)
-      deferred[a] = std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
+      deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
   if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
-    flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
+    flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * p.solid_velocity[a];
   });
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
   parallel_for(p.size(), [&](std::size_t a) { deferred[a] *= outflow[a]; });

@@ -38,10 +38,12 @@ inline constexpr double shrinks_to = 0.3;
 /// Largest ratio of the next window to the present one, as the change of the pressure allows.
 /// Unit: 1. Test: none known.
 inline constexpr double grows_to = 1.5;
-/// Length of the first window beside soil that moves, over the time in which an elastic wave crosses one spacing of
-/// saturated soil, dx / sqrt(M / rho_w).
-/// Unit: 1. Test: Coupled.TerzaghiAtWindowsFromShortToLong (untried).
-inline constexpr double first_wave = 0.2;
+/// Shortest window that a change of the pressure can require beside soil that moves, and length of the first one, over
+/// the time in which an elastic wave crosses one spacing of saturated soil, dx / sqrt(M / rho_w). Soil in motion is
+/// followed in windows of two substeps, 2.3 such times. In shorter windows the same error of the volume's balance makes
+/// more noise in the pressure, which would shorten them again.
+/// Unit: 1. Test: Submerged.ABlockThatSinksGainsNoEnergy (untried).
+inline constexpr double shortest_in_waves = 2.0;
 /// Length of the first window beside soil that moves but cannot yield, over the time in which one spacing of it drains,
 /// dx^2 / c_v with the coefficient of consolidation c_v.
 /// Unit: 1. Test: none known.
