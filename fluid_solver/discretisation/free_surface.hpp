@@ -88,11 +88,11 @@ double depth(const Stencil<D>& s, std::size_t a) {
 /// would draw a reservoir in under its full head.
 ///
 /// rows: thickness of the row in which each particle lies, in spacings. `share` is the weight of its present value: the
-/// average is slow, since surface particles move with the surface while a row is stretched (surface_lead). splashes:
-/// small holes in free water that touches soil are surfaces. none: there is no air, and holes are disorder.
+/// average is slow, since surface particles move with the surface while a row is stretched (surface_lead). none: there
+/// is no air, and holes are disorder.
 template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepage, std::span<double> rows = {},
-                                  double share = 0.0, bool splashes = false, bool none = false) {
+                                  double share = 0.0, bool none = false) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   if (none) {
     s.on_surface.assign(s.size(), 0);
@@ -134,8 +134,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     }
     if (s.least_moment[a] >= points::inside_moment) return;
     const double amount = s.normal[a].norm();
-    const bool hole = splashes && s.open_water[a] == 0 && s.divergence[a] < surface::few * D &&
-                      amount * s.length(a) > surface::hole * s.divergence[a];
+    const double few = s.open_water[a] == 0 ? surface::few : surface::few_in_open_water;
+    const bool hole = s.divergence[a] < few * D && amount * s.length(a) > surface::hole * s.divergence[a];
     const bool edge =
         s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
     if (edge)

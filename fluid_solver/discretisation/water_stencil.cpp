@@ -39,7 +39,7 @@ void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, 
                       std::all_of(state.columns.begin(), state.columns.end(),
                                   [&](const auto& c) { return is_quasi_static<D>(setup, c) && c.wet; }) &&
                       parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
-  const auto flags = find_surface<D>(s, p.in_seepage, rows, share, setup.coupled, closed && state.full);
+  const auto flags = find_surface<D>(s, p.in_seepage, rows, share, closed && state.full);
   s.forget_moments();
   p.surface = flags;
   state.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });

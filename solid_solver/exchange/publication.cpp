@@ -2,6 +2,7 @@
 
 #include "solid_solver/dynamics/step.hpp"
 #include "solid_solver/exchange/water_load.hpp"
+#include "solid_solver/numerics/exchange.hpp"
 
 #include <algorithm>
 
@@ -62,7 +63,8 @@ coupling::Publication published(const Setup<D>& setup, const State<D>& state, Po
   scalars(field::grain_density, [&](std::size_t i) { return setup.grain_density[p.material[i]]; });
   scalars(field::constrained_modulus, [&](std::size_t i) {
     const Elasticity elasticity = moduli(setup, p, i);
-    return state.yielded[i] ? elasticity.yielding() : elasticity.constrained();
+    if (!state.yielded[i]) return elasticity.constrained();
+    return state.motion.moving ? exchange::modulus_in_motion * elasticity.constrained() : elasticity.yielding();
   });
   scalars(field::yielding, [&](std::size_t i) { return state.plastic_shear_ratio[i]; });
   const auto& seepage = cache.seepage(setup, state);
