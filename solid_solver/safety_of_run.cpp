@@ -50,16 +50,17 @@ std::string nearest_face(const Case& scene, const Vec<D>& x) {
 }
 
 template <int D>
-std::string row_of(const Case& scene, std::size_t frame, const State<D>& state, const FactorOfSafety<D>& found) {
+std::string row_of(const Case& scene, const Setup<D>& setup, std::size_t frame, const State<D>& state,
+                   const FactorOfSafety<D>& found) {
   std::string row = fmt::format("{},{:.17g},{:.9g},{:.9g},{:.9g},{:.9g},", frame, state.time, found.factor(),
                                 found.error(), found.stands, found.fails);
-  const auto failing = failing_mass(state, found.failing_displacement);
-  if (!failing) return row + ",,,,,,,,";
+  const auto failing = failing_mass(setup, state, found.failing_displacement);
+  if (!failing) return row + ",,,,,,,,,";
   Point3 centre = Point3::Zero(), towards = Point3::Zero();
   centre.head<D>() = failing->centre;
   towards.head<D>() = failing->towards;
-  row += fmt::format("{},{},{:.6g}", cell(scene.soils[failing->soil].name),
-                     cell(nearest_face<D>(scene, failing->centre)), failing->volume);
+  row += fmt::format("{},{},{:.6g},{:.6g}", cell(scene.soils[failing->soil].name),
+                     cell(nearest_face<D>(scene, failing->centre)), failing->share, failing->volume);
   centre += scene.general.origin;
   for (const auto& vector : {centre, towards})
     for (int d = 0; d < 3; ++d) row += fmt::format(",{:.6g}", vector[d]);
@@ -115,7 +116,7 @@ bool search_all(const Arguments& arguments, const Case& scene, Work& work) {
     work.recorder->gauges(stored.state.time, {{"factor_of_safety", found->factor(), "1"},
                                               {"factor_of_safety_error", found->error(), "1"}});
     work.recorder->frame(shown(setup, stored.state, *found));
-    rows << row_of(scene, frame, stored.state, *found) << std::endl;
+    rows << row_of(scene, setup, frame, stored.state, *found) << std::endl;
     if (!rows) throw FileError(fmt::format("{}: cannot be written", table.string()));
     ++work.found;
   }

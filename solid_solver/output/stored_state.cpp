@@ -42,6 +42,7 @@ StoredState<D> stored_state(const Setup<D>& setup, const State<D>& initial, cons
   for (std::size_t i = 0; i < n; ++i) std::copy_n(&stress[6 * i], 6, p.stress[i].data());
   if (!p.slipped.empty()) p.slipped = vectors<D>(frames.values("wall_slip", frame));
   state.external.pressure = frames.values("pore_pressure", frame);
+  state.external.coverage = frames.values("coverage", frame);
   state.external.saturation = frames.values("degree_of_saturation", frame);
   for (std::size_t soil = 0; soil < setup.models.size(); ++soil) {
     const auto variables = setup.models[soil]->state_variables();

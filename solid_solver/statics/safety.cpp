@@ -77,7 +77,9 @@ template <int D>
 Vec<D> standing_water_force(const Setup<D>& setup, const State<D>& state, std::size_t i) {
   if (!state.external.pressure_gradient.is_allocated()) return Vec<D>::Zero();
   const Vec<D> gradient = state.external.pressure_gradient[i];
-  return setup.water.drags ? steady_water_force(setup, state, i, gradient) : water_force(setup, state, i, gradient);
+  const Vec<D> force =
+      setup.water.drags ? steady_water_force(setup, state, i, gradient) : water_force(setup, state, i, gradient);
+  return force / state.particles.volume[i];
 }
 
 template <int D>
@@ -108,7 +110,7 @@ std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const Sta
     const auto turns = [&gauge](double time) { return std::floor(time / gauge.every * (1.0 + 1e-9)); };
     if (turns(state.time) <= turns(read_before)) continue;
     VecArray<D> water(state.particles.size());
-    for (std::size_t i = 0; i < water.size(); ++i) water[i] = standing_water_force(setup, state, i);
+    for (std::size_t i = 0; i < water.size(); ++i) water[i] = state.particles.volume[i] * standing_water_force(setup, state, i);
     auto found = factor_of_safety(setup, state, water, search_near(last.factor, statics::safety_tolerance));
     if (!found) continue;
     last = {std::isfinite(found->fails) ? found->factor() : 0.0, state.time, std::move(found->failing_strain)};
