@@ -52,7 +52,7 @@ class Reader {
     if (gauge.kind == "front") return add(gauge.name, front(Line<D>(gauge)), "m");
     if (gauge.kind == "discharge") return add(gauge.name, discharge(Line<D>(gauge)), per_width + "/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(Line<D>(gauge)), "m");
-    if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(Line<D>(gauge)), "1");
+    if (gauge.kind == "exit_gradient") return exit_gradient(gauge.name, Line<D>(gauge));
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
     if (gauge.kind == "balance") return balance(gauge, per_width);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -199,18 +199,29 @@ class Reader {
     return nan;
   }
 
-  /// Largest outward hydraulic gradient at a face (domain on its left) where there is water inside.
-  [[nodiscard]] double exit_gradient(const Line<D>& line) const {
-    double largest = nan;
+  /// Largest outward hydraulic gradient at a face (domain on its left) where there is water inside, its place along the
+  /// line [m] and, where the face looks upwards, the largest ratio to the gradient that lifts the grains off it. The
+  /// buoyant weight acts across a face inclined by the angle b with its part cos b.
+  void exit_gradient(const std::string& name, const Line<D>& line) {
+    double largest = nan, at = nan, over_critical = nan;
+    const double upwards = elevation(-line.left);
     const int count = std::max(1, static_cast<int>(line.length / (0.5 * dx_)));
     for (int i = 0; i < count; ++i) {
-      const Vec<D> x = line.at((i + 0.5) * line.length / count) + 0.5 * dx_ * line.left;
+      const double place = (i + 0.5) * line.length / count;
+      const Vec<D> x = line.at(place) + 0.5 * dx_ * line.left;
       if (probe_.fullness(x) < 0.5) continue;
       const auto p = probe_.pressure(x);
       const double gradient = (p.gradient - weight_).dot(line.left) / gamma_;
-      if (std::isfinite(p.value) && !(gradient <= largest)) largest = gradient;
+      if (!std::isfinite(p.value)) continue;
+      if (const Stratum* soil = ground_.at(x))
+        over_critical = std::fmax(over_critical, gradient / (soil->critical_gradient * upwards));
+      if (gradient <= largest) continue;
+      largest = gradient;
+      at = place;
     }
-    return largest;
+    add(name, largest, "1");
+    add(name + "_at", at, "m");
+    if (upwards > 1e-9) add(name + "_over_critical", over_critical, "1");
   }
 
   [[nodiscard]] bool inside(const Gauge& gauge, const Vec<D>& x) const {

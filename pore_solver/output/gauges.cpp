@@ -64,7 +64,7 @@ class Gauges::Reader {
     if (gauge.kind == "front") return add(gauge.name, front(gauge, places.line), "m");
     if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(gauge, places), "m");
-    if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(places), "1");
+    if (gauge.kind == "exit_gradient") return exit_gradient(gauge, places);
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
     if (gauge.kind == "balance") return balance(gauge);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -182,17 +182,27 @@ class Gauges::Reader {
     const double place = at[0] - (at[1] - at[0]) / (ratio - 1.0);
     return up.dot(gauge.points[0] + place * (gauge.points[1] - gauge.points[0]).normalized());
   }
-  /// Largest outward flow per area, over the saturated conductivity.
-  [[nodiscard]] double exit_gradient(const Places& places) const {
-    double largest = nan;
+  /// Largest outward flow per area, over the saturated conductivity, its place along the line [m] and, where the face
+  /// looks upwards, the largest ratio to the gradient that lifts the grains off it. The buoyant weight acts across a
+  /// face inclined by the angle b with its part cos b.
+  void exit_gradient(const Gauge& gauge, const Places& places) {
+    double largest = nan, at = nan, over_critical = nan;
+    const Piece line{gauge.points[0], gauge.points[1]};
+    const double upwards = scene_.general.gravity.normalized().dot(line.left());
     for (const std::size_t i : places.segments) {
       if (!(state_.inflow[i] < 0.0)) continue;
       const Segment& s = network_.segments[i];
       const Soil& soil = scene_.soils[network_.soil[s.point]];
-      largest =
-          std::fmax(largest, -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity);
+      const double gradient =
+          -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+      over_critical = std::fmax(over_critical, gradient / (porous::critical_gradient(scene_, soil) * upwards));
+      if (gradient <= largest) continue;
+      largest = gradient;
+      at = (s.centre - line.a).dot((line.b - line.a).normalized());
     }
-    return largest;
+    add(gauge.name, largest, "1");
+    add(gauge.name + "_at", at, "m");
+    if (upwards > 1e-9) add(gauge.name + "_over_critical", over_critical, "1");
   }
 
   [[nodiscard]] double volume(const Gauge& gauge) const {

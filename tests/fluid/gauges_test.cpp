@@ -66,6 +66,28 @@ TEST(Gauges, OfAWaterTableAtRest) {
   }
 }
 
+// Upward flow with the gradient i = 0.5 through a bed that looks upwards, whose critical gradient is
+// (1 - n)(rho_s / rho_w - 1) = 0.6 * 1.5 = 0.9.
+TEST(Gauges, OfUpwardFlowTellTheGradientOverTheCriticalOne) {
+  auto scene = moist_soil();
+  scene.soils[0].initial_saturation = 0.0;
+  scene.soils[0].porosity = 0.4;
+  scene.soils[0].grain_density = 2500.0;
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.walls = {wall(line(0.0, 0.3, 0.0, 0.0)), wall(line(0.4, 0.0, 0.4, 0.3))};
+  scene.water_faces = {head_face(line(0.0, 0.0, 0.4, 0.0), 0.45), head_face(line(0.4, 0.3, 0.0, 0.3), 0.3)};
+  scene.gauges = {gauge("bed", "exit_gradient", {{0.4, 0.3, 0.0}, {0.0, 0.3, 0.0}}),
+                  gauge("below", "exit_gradient", {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}})};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 10.0);
+  EXPECT_NEAR(reading(fluid, "bed"), 0.5, 0.01);
+  EXPECT_NEAR(reading(fluid, "bed_over_critical"), 0.5 / 0.9, 0.01);
+  EXPECT_NEAR(reading(fluid, "below"), -0.5, 0.01);
+  for (const auto& r : fluid.gauges()) EXPECT_NE(r.gauge, "below_over_critical");
+}
+
 // Level flow between two reservoirs under a lid: hydraulic gradient i = 0.25, discharge q = k i h.
 TEST(Gauges, OfLevelFlow) {
   auto scene = moist_soil();
@@ -98,6 +120,9 @@ TEST(Gauges, OfLevelFlow) {
   EXPECT_NEAR(reading(fluid, "upper_half") / q, 0.5, 2e-3);
   EXPECT_NEAR(reading(fluid, "out"), 0.25, 0.0025);
   EXPECT_NEAR(reading(fluid, "in"), -0.25, 0.0025);  // inflow has a negative gradient
+  EXPECT_GT(reading(fluid, "out_at"), 0.0);
+  EXPECT_LT(reading(fluid, "out_at"), 0.3);
+  for (const auto& r : fluid.gauges()) EXPECT_NE(r.gauge, "out_over_critical") << "an upright face lets no grains rise";
   EXPECT_NEAR(reading(fluid, "head[0]"), 0.475, 1e-4);
   EXPECT_NEAR(reading(fluid, "head[1]"), 0.425, 1e-4);
   EXPECT_NEAR(reading(fluid, "velocity_x") / v, 1.0, 2e-3);

@@ -23,6 +23,23 @@ TEST(PoreBoundary, AReservoirFillsTheSoilToItsLevel) {
   }
 }
 
+// Upward flow with the gradient 0.5 through a bed whose critical gradient is (1 - n)(rho_s / rho_w - 1) = 0.6 * 1.5 = 0.9.
+TEST(PoreBoundary, TheExitGradientIsToldOverTheCriticalOne) {
+  Soil sand = sharp(0.4, 1e-3);
+  sand.grain_density = 2500.0;
+  Case scene = column(sand, 1.0, dx, 1e4);
+  scene.fluid.initial_water_table = 1.0;
+  scene.water_faces = {pressure_face(base_of(dx), 1.5), pressure_face(top_of(dx, 1.0), 0.0)};
+  scene.gauges = {gauge("bed", "exit_gradient", top_of(dx, 1.0).points),
+                  gauge("below", "exit_gradient", base_of(dx).points)};
+  PoreWater water(scene);
+  run_to(water, 1e4);
+  EXPECT_NEAR(reading(water, "bed"), 0.5, 1e-3);
+  EXPECT_NEAR(reading(water, "bed_over_critical"), 0.5 / 0.9, 1e-3);
+  EXPECT_NEAR(reading(water, "bed_at"), 0.5 * dx, 1e-9);
+  for (const auto& r : water.gauges()) EXPECT_NE(r.gauge, "below_over_critical");
+}
+
 TEST(PoreBoundary, ThroughAnOutletWaterOnlyLeaves) {
   Case scene = column(van_genuchten(0.05, 0.4, 3.5, 2.8, 1e-3), 1.0, dx, 1e5);
   WaterFace drain;

@@ -1,0 +1,22 @@
+#!/usr/bin/python3
+"""Seepage under a floor with a sheet pile at its downstream end, in soil without end (Khosla, Bose & Taylor 1936): the head at points, and
+the exit gradient at the pile. z = x + iy, y <= 0: zeta = sqrt(z^2 + d^2) unfolds the pile, and the floor and the pile become the straight
+line from -sqrt(b^2 + d^2) to d. Below an impermeable line from c - a to c + a the head is (H / pi) Re arccos((zeta - c) / a)."""
+import numpy as np
+
+H, b, d = 4.0, 6.0, 2.0  # m: head difference, length of the floor, depth of the pile
+PLACES = np.array([[-5.5, -0.5], [-4.5, -0.5], [-3.5, -0.5], [-2.5, -0.5], [-1.5, -0.5], [-0.5, -0.5]])
+
+
+def head(points):
+    z = points[:, 0] + 1j * points[:, 1]
+    zeta = np.sqrt(z**2 + d**2)
+    zeta = np.where(zeta.real * z.real < 0.0, -zeta, zeta)  # the branch that is z far from the pile
+    left, right = -np.hypot(b, d), d
+    return H / np.pi * np.arccos((zeta - 0.5 * (left + right)) / (0.5 * (right - left))).real
+
+
+alpha = b / d
+print("exit gradient H / (pi d sqrt(lambda)), lambda = (1 + sqrt(1 + alpha^2)) / 2, alpha = b / d:",
+      H / (np.pi * d * np.sqrt(0.5 * (1.0 + np.sqrt(1.0 + alpha**2)))))
+print("heads [m]:", ", ".join(f"{h:.4f}" for h in head(PLACES)))
