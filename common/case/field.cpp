@@ -20,7 +20,7 @@ constexpr std::array field_kinds{
     std::string_view("exit_height"), std::string_view("exit_gradient"), std::string_view("volume"),
     std::string_view("balance"),     std::string_view("level"),         std::string_view("passed_volume"),
     std::string_view("particles"),   std::string_view("infiltration"),  std::string_view("evaporation"),
-    std::string_view("runoff")};
+    std::string_view("runoff"),      std::string_view("pressure_force")};
 /// Kinds of gauges for a field only, not for water as particles.
 constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
                                 std::string_view("runoff")};

@@ -44,6 +44,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "largest outward hydraulic gradient over such a face; `_at`: its distance from the first of the `points`; "
      "`_over_critical`, where the face looks upwards: largest ratio to the gradient that lifts the grains off it, "
      "(1 - n)(rho_s / rho_w - 1) times the cosine of the face's slope"},
+    {"pressure_force", "fluid",
+     "force per width of the water's pressure on the line between two `points` [N/m], such as the uplift of a floor; "
+     "suction does not count; `_at`: distance of its line of action from the first of them"},
     {"balance", "fluid", "volumes `_in`, `_out`, `_stored` and `_error` = in - out - gain"},
     {"infiltration", "fluid",
      "of a field: rain that soaked in since the start, under the rain named by `quantity`; absent: all"},

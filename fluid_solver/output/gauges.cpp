@@ -53,6 +53,7 @@ class Reader {
     if (gauge.kind == "discharge") return add(gauge.name, discharge(Line<D>(gauge)), per_width + "/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(Line<D>(gauge)), "m");
     if (gauge.kind == "exit_gradient") return exit_gradient(gauge.name, Line<D>(gauge));
+    if (gauge.kind == "pressure_force") return pressure_force(gauge.name, Line<D>(gauge));
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
     if (gauge.kind == "balance") return balance(gauge, per_width);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -222,6 +223,20 @@ class Reader {
     add(name, largest, "1");
     add(name + "_at", at, "m");
     if (upwards > 1e-9) add(name + "_over_critical", over_critical, "1");
+  }
+
+  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's start.
+  void pressure_force(const std::string& name, const Line<D>& line) {
+    const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
+    double force = 0.0, moment = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double place = (i + 0.5) * line.length / count, p = probe_.pressure(line.at(place)).value;
+      if (!(p > 0.0)) continue;
+      force += p * line.length / count;
+      moment += place * p * line.length / count;
+    }
+    add(name, force, "N/m");
+    add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
   }
 
   [[nodiscard]] bool inside(const Gauge& gauge, const Vec<D>& x) const {

@@ -27,6 +27,7 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
     if (gauge.kind == "point")
       for (const auto& x : gauge.points) p.points.push_back(probes.at(x));
     if (gauge.kind == "front") p.line = probes.along(gauge.points[0], gauge.points[1]);
+    if (gauge.kind == "pressure_force") p.line = probes.along(gauge.points[0], gauge.points[1]);
     if (gauge.kind == "discharge" && !gauge.points.empty()) {
       const Piece line{gauge.points[0], gauge.points[1]};
       for (std::size_t i = 0; i < network.links.size(); ++i) {
@@ -65,6 +66,7 @@ class Gauges::Reader {
     if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(gauge, places), "m");
     if (gauge.kind == "exit_gradient") return exit_gradient(gauge, places);
+    if (gauge.kind == "pressure_force") return pressure_force(gauge.name, places.line);
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
     if (gauge.kind == "balance") return balance(gauge);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -203,6 +205,24 @@ class Gauges::Reader {
     add(gauge.name, largest, "1");
     add(gauge.name + "_at", at, "m");
     if (upwards > 1e-9) add(gauge.name + "_over_critical", over_critical, "1");
+  }
+
+  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's
+  /// start. The pressure is linear between the places of the line; places outside the soil do not count.
+  void pressure_force(const std::string& name, const ProbeLine& line) {
+    double force = 0.0, moment = 0.0;
+    for (std::size_t i = 1; i < line.place.size(); ++i) {
+      const double from = line.place[i - 1], to = line.place[i];
+      if (to - from > 1.5 * line.step) continue;
+      const auto pressure = [&](std::size_t k) {
+        return porous::specific_weight(scene_) * std::max(0.0, head(line.probe[k]));
+      };
+      const double part = 0.5 * (pressure(i - 1) + pressure(i)) * (to - from);
+      force += part;
+      moment += 0.5 * (from + to) * part;
+    }
+    add(name, force, "N/m");
+    add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
   }
 
   [[nodiscard]] double volume(const Gauge& gauge) const {

@@ -102,6 +102,7 @@ TEST(Gauges, OfLevelFlow) {
                   gauge("upper_half", "discharge", {{0.2, 0.3, 0.0}, {0.2, 0.15, 0.0}}),
                   gauge("in", "exit_gradient", {{0.0, 0.3, 0.0}, {0.0, 0.0, 0.0}}),
                   gauge("out", "exit_gradient", {{0.4, 0.0, 0.0}, {0.4, 0.3, 0.0}}),
+                  gauge("lift", "pressure_force", {{0.0, 0.3, 0.0}, {0.4, 0.3, 0.0}}),
                   gauge("head", "point", {{0.1, 0.1, 0.0}, {0.3, 0.2, 0.0}}, "head"),
                   gauge("velocity", "point", {{0.2, 0.1, 0.0}}, "velocity"),
                   gauge("left", "passed_volume", {}, "left"),
@@ -123,6 +124,9 @@ TEST(Gauges, OfLevelFlow) {
   EXPECT_GT(reading(fluid, "out_at"), 0.0);
   EXPECT_LT(reading(fluid, "out_at"), 0.3);
   for (const auto& r : fluid.gauges()) EXPECT_NE(r.gauge, "out_over_critical") << "an upright face lets no grains rise";
+  // On the lid the head over it falls from 0.2 to 0.1 m.
+  EXPECT_NEAR(reading(fluid, "lift") / (9810.0 * 0.15 * 0.4), 1.0, 2e-3);
+  EXPECT_NEAR(reading(fluid, "lift_at"), 0.4 / 3.0 * (0.2 + 2.0 * 0.1) / (0.2 + 0.1), 1e-3);
   EXPECT_NEAR(reading(fluid, "head[0]"), 0.475, 1e-4);
   EXPECT_NEAR(reading(fluid, "head[1]"), 0.425, 1e-4);
   EXPECT_NEAR(reading(fluid, "velocity_x") / v, 1.0, 2e-3);

@@ -19,4 +19,7 @@ def head(points):
 alpha = b / d
 print("exit gradient H / (pi d sqrt(lambda)), lambda = (1 + sqrt(1 + alpha^2)) / 2, alpha = b / d:",
       H / (np.pi * d * np.sqrt(0.5 * (1.0 + np.sqrt(1.0 + alpha**2)))))
+x = -b + (np.arange(200000) + 0.5) * b / 200000
+pressure = 9810.0 * head(np.stack([x, 0.0 * x - 1e-12], axis=1))
+print(f"uplift of the floor: {pressure.mean() * b:.6g} N/m, {np.sum(pressure * (x + b)) / np.sum(pressure):.5g} m from its upper end")
 print("heads [m]:", ", ".join(f"{h:.4f}" for h in head(PLACES)))
