@@ -103,9 +103,10 @@ int safety_of_run(const Arguments& a, JsonOutput& json) {
 int safety(const Arguments& a, JsonOutput& json) {
   if (is_run_folder(a.which)) return safety_of_run(a, json);
   if (!a.instants.at.empty() || a.instants.every)
-    throw CaseError(fmt::format("--at, --every: expected the folder of a run that has ended, with a run.toml, found {}; "
-                                "`poretwin run` makes one of a case",
-                                a.which));
+    throw CaseError(
+        fmt::format("--at, --every: expected the folder of a run that has ended, with a run.toml, found {}; "
+                    "`poretwin run` makes one of a case",
+                    a.which));
   const CasePlace place = find_case(a.which);
   RunOptions options;
   options.case_file = place.file;
@@ -269,8 +270,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   safety_command->add_option("--every", a.instants.every, "of a run: at the multiples of this time [s], too")
       ->type_name("T")
       ->check(CLI::PositiveNumber);
-  safety_command
-      ->add_option("--out", a.out, "folder of the results (default runs/CASE-safety, of a run RUN/safety)")
+  safety_command->add_option("--out", a.out, "folder of the results (default runs/CASE-safety, of a run RUN/safety)")
       ->type_name("DIR");
   safety_command->add_option("--tolerance", a.tolerance, "width of the bracket over the factor")
       ->type_name("X")

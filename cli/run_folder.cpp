@@ -105,8 +105,14 @@ std::optional<RunRecord> read_run_record(const fs::path& out) {
   const fs::path file = out / "run.toml";
   if (!fs::exists(file)) return std::nullopt;
   const Node root = parse_document(read_text(file), file.string());
-  RunRecord record{text_of(root, "case"), text_of(root, "case_file"), text_of(root, "started"), text_of(root, "ended"),
-                   text_of(root, "reason"), std::nullopt, {}, {}};
+  RunRecord record{text_of(root, "case"),
+                   text_of(root, "case_file"),
+                   text_of(root, "started"),
+                   text_of(root, "ended"),
+                   text_of(root, "reason"),
+                   std::nullopt,
+                   {},
+                   {}};
   if (const Node* exit = root.find("exit"); exit != nullptr && exit->kind == Node::Kind::integer)
     record.exit = static_cast<int>(exit->integer);
   if (const Node* identity = root.find("identity"); identity != nullptr)

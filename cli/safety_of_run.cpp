@@ -36,12 +36,21 @@ SafetyAtInstant instant_of(const std::string& row) {
   std::vector<std::string> cells;
   std::istringstream stream(row + ",");
   for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-  if (cells.size() != static_cast<std::size_t>(std::count(safety_columns, safety_columns + std::strlen(safety_columns), ',')) + 1)
+  if (cells.size() !=
+      static_cast<std::size_t>(std::count(safety_columns, safety_columns + std::strlen(safety_columns), ',')) + 1)
     throw FileError(fmt::format("safety.csv: expected the columns {}, found the row {}", safety_columns, row));
   const auto read = [&](std::size_t k) { return cells[k].empty() ? 0.0 : std::strtod(cells[k].c_str(), nullptr); };
-  return {read(1),  read(2),  read(3), read(4),
-          read(5),  cells[6], cells[7], read(8),
-          read(9),  {read(10), read(11), read(12)}, {read(13), read(14), read(15)}};
+  return {read(1),
+          read(2),
+          read(3),
+          read(4),
+          read(5),
+          cells[6],
+          cells[7],
+          read(8),
+          read(9),
+          {read(10), read(11), read(12)},
+          {read(13), read(14), read(15)}};
 }
 
 /// Reads the rows of safety.csv as they are written.
@@ -82,9 +91,10 @@ std::string line_of(const SafetyAtInstant& instant, int dimension) {
 /// The case of the run as it was. Throws where it has changed since, or where frames of it give no factor.
 Case case_of(const fs::path& run, const RunRecord& record) {
   if (!fs::exists(record.case_file))
-    throw FileError(fmt::format("{}: its case file {} is not there any more: expected it with the content that the run "
-                                "had",
-                                run.string(), record.case_file));
+    throw FileError(
+        fmt::format("{}: its case file {} is not there any more: expected it with the content that the run "
+                    "had",
+                    run.string(), record.case_file));
   Case scene = read_case(record.case_file, record.overrides);
   for (const auto& [name, value] : case_identity(scene)) {
     const auto was = std::ranges::find(record.identity, name, &RunIdentity::value_type::first);
@@ -93,23 +103,24 @@ Case case_of(const fs::path& run, const RunRecord& record) {
                                   run.string(), record.case_file));
   }
   if (const auto lack = lacks_strength(scene))
-    throw CaseError(
-        fmt::format("{}: {}: key '{}': {}", run.string(), record.case_file, lack->first, lack->second));
+    throw CaseError(fmt::format("{}: {}: key '{}': {}", run.string(), record.case_file, lack->first, lack->second));
   for (std::size_t i = 0; i < scene.walls.size(); ++i)
     if (scene.walls[i].soil == Wall::ForSoil::rough)
-      throw CaseError(fmt::format(
-          "{}: {}: key 'wall[{}].soil': frames do not hold the rows of soil behind rough walls, without which no factor "
-          "can be found: expected another kind of wall; or give the case a gauge of kind \"factor_of_safety\" and run it "
-          "again",
-          run.string(), record.case_file, i));
+      throw CaseError(
+          fmt::format("{}: {}: key 'wall[{}].soil': frames do not hold the rows of soil behind rough walls, without "
+                      "which no factor "
+                      "can be found: expected another kind of wall; or give the case a gauge of kind "
+                      "\"factor_of_safety\" and run it "
+                      "again",
+                      run.string(), record.case_file, i));
   return scene;
 }
 
 /// Deletes what an earlier search left in the folder.
 void clear(const fs::path& out) {
   std::error_code error;
-  for (const char* file : {"safety.csv", "gauges.csv", "gauges.solid.csv", "solid.vtkhdf", "solid.xmf",
-                           "solid.summary.json"})
+  for (const char* file :
+       {"safety.csv", "gauges.csv", "gauges.solid.csv", "solid.vtkhdf", "solid.xmf", "solid.summary.json"})
     fs::remove(out / file, error);
   for (const auto& entry : fs::directory_iterator(out, error))
     if (entry.path().extension() == ".png") fs::remove(entry.path(), error);
@@ -120,8 +131,15 @@ Program program_of(const SafetyOfRunOptions& options, const fs::path& out, const
   Program program;
   program.name = "solid";
   program.file = options.programs / "poretwin-solid";
-  program.arguments = {"--alone", "--case", record.case_file, "--out", out.string(), "--safety-of",
-                       (options.run / "solid.vtkhdf").string(), "--tolerance", fmt::format("{}", options.tolerance)};
+  program.arguments = {"--alone",
+                       "--case",
+                       record.case_file,
+                       "--out",
+                       out.string(),
+                       "--safety-of",
+                       (options.run / "solid.vtkhdf").string(),
+                       "--tolerance",
+                       fmt::format("{}", options.tolerance)};
   for (const std::size_t frame : frames)
     program.arguments.insert(program.arguments.end(), {"--frame", std::to_string(frame)});
   for (const auto& assignment : record.overrides)
@@ -141,8 +159,9 @@ void draw(const SafetyOfRun& safety) {
                               fmt::format("{:.17g}", least->time), "--out", safety.out.string()},
                              log) == 0;
   if (safety.instants.size() > 1)
-    drawn = draw_pictures({safety.out.string(), "--gauge", "factor_of_safety", "--out", safety.out.string()}, log) == 0 &&
-            drawn;
+    drawn =
+        draw_pictures({safety.out.string(), "--gauge", "factor_of_safety", "--out", safety.out.string()}, log) == 0 &&
+        drawn;
   if (!drawn) fmt::print(stderr, "warning: not all pictures were drawn; see {}\n", log.string());
 }
 
@@ -161,8 +180,9 @@ std::vector<std::size_t> frames_at(std::span<const double> times, const Instants
   std::set<std::size_t> frames;
   const auto take = [&](double time) {
     if (!(time >= first - slack && time <= last + slack))
-      throw CaseError(fmt::format("--at: expected times from {} to {} s, between the run's first and last frame, found {}",
-                                  number(first), number(last), number(time)));
+      throw CaseError(
+          fmt::format("--at: expected times from {} to {} s, between the run's first and last frame, found {}",
+                      number(first), number(last), number(time)));
     const std::size_t frame = nearest_to(times, time);
     if (std::abs(times[frame] - time) > slack)
       say(fmt::format("no frame at {} s: the nearest is taken, at {} s", number(time), number(times[frame])));
@@ -182,8 +202,7 @@ std::vector<std::size_t> frames_at(std::span<const double> times, const Instants
 SafetyOfRun find_safety_of_run(const SafetyOfRunOptions& options) {
   const fs::path& run = options.run;
   const auto record = read_run_record(run);
-  if (!record)
-    throw FileError(fmt::format("{}: expected the folder of a run, found no run.toml in it", run.string()));
+  if (!record) throw FileError(fmt::format("{}: expected the folder of a run, found no run.toml in it", run.string()));
   const FileLock lock = lock_ended_run(run, "poretwin safety " + run.string());
   const Case scene = case_of(run, *record);
   const fs::path file = run / "solid.vtkhdf";
@@ -192,8 +211,8 @@ SafetyOfRun find_safety_of_run(const SafetyOfRunOptions& options) {
                                 record->exit ? "the run failed before its first frame" : "the run never ended"));
   const FrameFile stored(file);
   if (stored.times().empty())
-    throw FileError(fmt::format("{}: expected frames of the soil, found none: the run ended before its first",
-                                file.string()));
+    throw FileError(
+        fmt::format("{}: expected frames of the soil, found none: the run ended before its first", file.string()));
   SafetyOfRun safety;
   safety.case_name = record->case_name;
   safety.case_file = record->case_file;
@@ -201,7 +220,8 @@ SafetyOfRun find_safety_of_run(const SafetyOfRunOptions& options) {
   const auto frames = frames_at(stored.times(), options.instants,
                                 [](const std::string& line) { fmt::print(stderr, "poretwin: {}\n", line); });
   if (is_run_folder(safety.out))
-    throw FileError(fmt::format("{}: expected a folder that is not a run's; choose another --out", safety.out.string()));
+    throw FileError(
+        fmt::format("{}: expected a folder that is not a run's; choose another --out", safety.out.string()));
   const FileLock own = lock_folder(safety.out, "poretwin safety " + run.string());
   clear(safety.out);
   std::error_code error;
@@ -216,13 +236,14 @@ SafetyOfRun find_safety_of_run(const SafetyOfRunOptions& options) {
       std::fflush(stdout);
     });
   };
-  const Watched watched = run_together({program_of(options, safety.out, *record, frames)}, [](const std::string&) {}, read);
+  const Watched watched = run_together(
+      {program_of(options, safety.out, *record, frames)}, [](const std::string&) {}, read);
   read();
   safety.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const auto& ended : watched.ended) safety.cpu += ended.cpu;
   if (const Ended* cause = root_cause(watched.ended)) {
     const bool stopped = watched.interrupted || cause->status == static_cast<int>(ExitCode::interrupted);
-    safety.exit = stopped             ? static_cast<int>(ExitCode::interrupted)
+    safety.exit = stopped              ? static_cast<int>(ExitCode::interrupted)
                   : cause->signal != 0 ? static_cast<int>(ExitCode::failure)
                                        : cause->status;
     safety.reason = stopped ? "interrupted; the factors found so far are in safety.csv" : reason_of(*cause);
@@ -238,11 +259,11 @@ std::string safety_of_run_text(const SafetyOfRun& safety) {
   const std::string factor = std::isinf(least->factor) ? fmt::format("above {:g}", least->stands)
                              : least->stands > 0.0     ? fmt::format("{:.3f}", least->factor)
                                                        : fmt::format("below {:.3g}", least->fails);
-  return fmt::format("least factor of safety {} at t = {} s (stands at {:.3f}, fails at {:.3f}); {} instant{}, "
-                     "{:.2f} s wall, {:.2f} s cpu; {}\n",
-                     factor, number(least->time), least->stands, least->fails, safety.instants.size(),
-                     safety.instants.size() == 1 ? "" : "s", safety.wall,
-                     safety.cpu, (safety.out / "safety.csv").string());
+  return fmt::format(
+      "least factor of safety {} at t = {} s (stands at {:.3f}, fails at {:.3f}); {} instant{}, "
+      "{:.2f} s wall, {:.2f} s cpu; {}\n",
+      factor, number(least->time), least->stands, least->fails, safety.instants.size(),
+      safety.instants.size() == 1 ? "" : "s", safety.wall, safety.cpu, (safety.out / "safety.csv").string());
 }
 
 nlohmann::ordered_json safety_of_run_json(const SafetyOfRunOptions& options, const SafetyOfRun& safety) {
@@ -256,19 +277,13 @@ nlohmann::ordered_json safety_of_run_json(const SafetyOfRunOptions& options, con
   json["tolerance"] = options.tolerance;
   json["instants"] = Json::array();
   for (const auto& instant : safety.instants) {
-    Json one{{"time_s", instant.time},
-             {"factor", json_number(instant.factor)},
-             {"error", json_number(instant.error)},
-             {"stands", instant.stands},
-             {"fails", json_number(instant.fails)},
-             {"failing", nullptr}};
+    Json one{{"time_s", instant.time},   {"factor", json_number(instant.factor)}, {"error", json_number(instant.error)},
+             {"stands", instant.stands}, {"fails", json_number(instant.fails)},   {"failing", nullptr}};
     if (!instant.soil.empty())
-      one["failing"] = {{"soil", instant.soil},
-                        {"face", instant.face.empty() ? Json(nullptr) : Json(instant.face)},
-                        {"share", instant.share},
-                        {"volume", instant.volume},
-                        {"centre_m", instant.centre},
-                        {"towards", instant.towards}};
+      one["failing"] = {
+          {"soil", instant.soil},       {"face", instant.face.empty() ? Json(nullptr) : Json(instant.face)},
+          {"share", instant.share},     {"volume", instant.volume},
+          {"centre_m", instant.centre}, {"towards", instant.towards}};
     json["instants"].push_back(std::move(one));
   }
   return json;

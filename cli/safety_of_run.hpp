@@ -25,7 +25,7 @@ struct SafetyOfRunOptions {
 /// The factor at one instant and what fails there; a row of safety.csv (common/output/safety_row.hpp).
 struct SafetyAtInstant {
   double time = 0.0, factor = 0.0, error = 0.0, stands = 0.0, fails = 0.0;
-  std::string soil, face;  ///< of the soil that fails; empty where nothing does
+  std::string soil, face;            ///< of the soil that fails; empty where nothing does
   double share = 0.0, volume = 0.0;  ///< share: of the motion of all soil; volume: m2, 3D: m3
   std::array<double, 3> centre{}, towards{};
 };

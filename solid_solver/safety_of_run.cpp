@@ -74,17 +74,20 @@ OutputFrame shown(const Setup<D>& setup, const State<D>& state, const FactorOfSa
   std::erase_if(frame.fields, [](const OutputField& field) {
     return field.name == "velocity" || field.name == "water_force";  // a stored state does not have them
   });
-  frame.fields.push_back({{"failing_strain", "1", "plastic strain of the soil that fails, its strength divided by the "
-                                                  "factor of safety", 1},
+  frame.fields.push_back({{"failing_strain", "1",
+                           "plastic strain of the soil that fails, its strength divided by the "
+                           "factor of safety",
+                           1},
                           tell_scalars([&found](std::size_t i) {
                             return i < found.failing_strain.size() ? found.failing_strain[i] : 0.0;
                           })});
-  frame.fields.push_back(
-      {{"failing_displacement", "m", "displacement of the soil that fails, likewise", 3},
-       [&found](std::size_t i, double* numbers) {
-         for (int d = 0; d < 3; ++d)
-           numbers[d] = d < D && i < found.failing_displacement.size() ? found.failing_displacement[i][d] : 0.0;
-       }});
+  frame.fields.push_back({{"failing_displacement", "m", "displacement of the soil that fails, likewise", 3},
+                          [&found](std::size_t i, double* numbers) {
+                            for (int d = 0; d < 3; ++d)
+                              numbers[d] = d < D && i < found.failing_displacement.size()
+                                               ? found.failing_displacement[i][d]
+                                               : 0.0;
+                          }});
   return frame;
 }
 
@@ -109,8 +112,7 @@ bool search_all(const Arguments& arguments, const Case& scene, Work& work) {
       throw CaseError(fmt::format("argument --frame: expected less than {}, the number of frames in {}, found {}",
                                   frames.times().size(), arguments.safety_of.string(), frame));
     const auto stored = stored_state(setup, initial, frames, frame, scene.general.origin);
-    const auto found =
-        factor_of_safety(setup, stored.state, stored.water, search_near(last, arguments.tolerance));
+    const auto found = factor_of_safety(setup, stored.state, stored.water, search_near(last, arguments.tolerance));
     if (!found) return true;
     last = std::isfinite(found->fails) ? found->factor() : 0.0;
     work.recorder->gauges(stored.state.time, {{"factor_of_safety", found->factor(), "1"},
@@ -131,19 +133,18 @@ bool asks_for_safety(int argc, char** argv) {
 
 int safety_main(int argc, char** argv) {
   Work work;
-  return coupling::process_main(
-      argc, argv, "poretwin-solid", "solid", coupling::Program::solid,
-      {[&](const Arguments& arguments) {
-         const Case scene = read_case(arguments.case_file, arguments.overrides);
-         return scene.general.dimension == 3 ? search_all<3>(arguments, scene, work)
-                                             : search_all<2>(arguments, scene, work);
-       },
-       [&] {
-         coupling::RunSummary summary;
-         summary.counters.emplace_back("factors of safety", static_cast<double>(work.found));
-         if (work.recorder) summary.files = work.recorder->files();
-         return summary;
-       }});
+  return coupling::process_main(argc, argv, "poretwin-solid", "solid", coupling::Program::solid,
+                                {[&](const Arguments& arguments) {
+                                   const Case scene = read_case(arguments.case_file, arguments.overrides);
+                                   return scene.general.dimension == 3 ? search_all<3>(arguments, scene, work)
+                                                                       : search_all<2>(arguments, scene, work);
+                                 },
+                                 [&] {
+                                   coupling::RunSummary summary;
+                                   summary.counters.emplace_back("factors of safety", static_cast<double>(work.found));
+                                   if (work.recorder) summary.files = work.recorder->files();
+                                   return summary;
+                                 }});
 }
 
 }  // namespace poretwin::solid

@@ -54,18 +54,17 @@ std::vector<Argument> table(Program program) {
     all.push_back(flag("--allow-any-address", "listen beyond this machine without keys, for a network that is trusted",
                        &Arguments::allow_any_address));
   if (program == Program::solid)
-    all.insert(all.end(),
-               {text("--safety-of", "FILE",
-                     "in place of a run: the factor of safety of the soil in frames of a run, FILE being its solid.vtkhdf",
-                     &Arguments::safety_of),
-                {{"--frame", "N", "of --safety-of: number of a frame, from 0; may be given again"},
-                 [](Arguments& out, const std::string& given) {
-                   out.frames.push_back(static_cast<std::size_t>(number_after("--frame", given, true)));
-                 }},
-                {{"--tolerance", "X", "of --safety-of: width of the bracket over the factor (0.01)"},
-                 [](Arguments& out, const std::string& given) {
-                   out.tolerance = number_after("--tolerance", given);
-                 }}});
+    all.insert(
+        all.end(),
+        {text("--safety-of", "FILE",
+              "in place of a run: the factor of safety of the soil in frames of a run, FILE being its solid.vtkhdf",
+              &Arguments::safety_of),
+         {{"--frame", "N", "of --safety-of: number of a frame, from 0; may be given again"},
+          [](Arguments& out, const std::string& given) {
+            out.frames.push_back(static_cast<std::size_t>(number_after("--frame", given, true)));
+          }},
+         {{"--tolerance", "X", "of --safety-of: width of the bracket over the factor (0.01)"},
+          [](Arguments& out, const std::string& given) { out.tolerance = number_after("--tolerance", given); }}});
   all.insert(
       all.end(),
       {text("--keys", "FILE",

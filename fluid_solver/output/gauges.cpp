@@ -225,7 +225,8 @@ class Reader {
     if (upwards > 1e-9) add(name + "_over_critical", over_critical, "1");
   }
 
-  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's start.
+  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's
+  /// start.
   void pressure_force(const std::string& name, const Line<D>& line) {
     const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
     double force = 0.0, moment = 0.0;

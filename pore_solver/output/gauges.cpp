@@ -195,8 +195,7 @@ class Gauges::Reader {
       if (!(state_.inflow[i] < 0.0)) continue;
       const Segment& s = network_.segments[i];
       const Soil& soil = scene_.soils[network_.soil[s.point]];
-      const double gradient =
-          -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+      const double gradient = -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity;
       over_critical = std::fmax(over_critical, gradient / (porous::critical_gradient(scene_, soil) * upwards));
       if (gradient <= largest) continue;
       largest = gradient;

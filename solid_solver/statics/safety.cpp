@@ -10,8 +10,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// The soil at rest, with nothing left of how it came there but what frames tell (see factor_of_safety). water: force on
-/// each particle [N].
+/// The soil at rest, with nothing left of how it came there but what frames tell (see factor_of_safety). water: force
+/// on each particle [N].
 template <int D>
 State<D> at_rest(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water) {
   State<D> trial = state;
@@ -110,7 +110,8 @@ std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const Sta
     const auto turns = [&gauge](double time) { return std::floor(time / gauge.every * (1.0 + 1e-9)); };
     if (turns(state.time) <= turns(read_before)) continue;
     VecArray<D> water(state.particles.size());
-    for (std::size_t i = 0; i < water.size(); ++i) water[i] = state.particles.volume[i] * standing_water_force(setup, state, i);
+    for (std::size_t i = 0; i < water.size(); ++i)
+      water[i] = state.particles.volume[i] * standing_water_force(setup, state, i);
     auto found = factor_of_safety(setup, state, water, search_near(last.factor, statics::safety_tolerance));
     if (!found) continue;
     last = {std::isfinite(found->fails) ? found->factor() : 0.0, state.time, std::move(found->failing_strain)};
@@ -120,10 +121,10 @@ std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const Sta
   return readings;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                     \
-  template Vec<D> standing_water_force<D>(const Setup<D>&, const State<D>&, std::size_t);                           \
-  template std::optional<FactorOfSafety<D>> factor_of_safety<D>(const Setup<D>&, const State<D>&,                   \
-                                                                const VecArray<D>&, const BorderSearch&);           \
+#define PORETWIN_INSTANTIATE(D)                                                                                       \
+  template Vec<D> standing_water_force<D>(const Setup<D>&, const State<D>&, std::size_t);                             \
+  template std::optional<FactorOfSafety<D>> factor_of_safety<D>(const Setup<D>&, const State<D>&, const VecArray<D>&, \
+                                                                const BorderSearch&);                                 \
   template std::vector<GaugeReading> read_factor_of_safety<D>(const Setup<D>&, const State<D>&, SafetyRecord&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

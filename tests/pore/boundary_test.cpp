@@ -23,7 +23,8 @@ TEST(PoreBoundary, AReservoirFillsTheSoilToItsLevel) {
   }
 }
 
-// Upward flow with the gradient 0.5 through a bed whose critical gradient is (1 - n)(rho_s / rho_w - 1) = 0.6 * 1.5 = 0.9.
+// Upward flow with the gradient 0.5 through a bed whose critical gradient is (1 - n)(rho_s / rho_w - 1) = 0.6 * 1.5 =
+// 0.9.
 TEST(PoreBoundary, TheExitGradientIsToldOverTheCriticalOne) {
   Soil sand = sharp(0.4, 1e-3);
   sand.grain_density = 2500.0;

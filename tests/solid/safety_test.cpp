@@ -122,8 +122,7 @@ TEST(FactorOfSafety, FollowsTheWaterAndLeavesTheSoilAsItIs) {
 
 /// The inbox of water that seeps along the slope with a share of the pressure below a water table at the surface.
 coupling::Inbox seeping(const Solid<2>& solid, double share) {
-  return test::wet_inbox<2>(solid,
-                            [share](const Vec<2>& x) { return share * 1000.0 * g * across * (1.0 - x.y()); });
+  return test::wet_inbox<2>(solid, [share](const Vec<2>& x) { return share * 1000.0 * g * across * (1.0 - x.y()); });
 }
 
 /// Runs a scene with a gauge of the factor for 0.4 s under pressure that grows from zero to `pressure` of that water;
@@ -135,8 +134,7 @@ std::vector<std::pair<double, double>> run_and_read(const Case& scene, double pr
   Solid<2> solid(scene);
   solid.initialise(seeping(solid, 0.0));
   for (std::uint64_t k = 0; k <= 40; ++k) {
-    if (k > 0)
-      solid.advance({k, solid.state().time, 0.01}, seeping(solid, pressure * 0.025 * static_cast<double>(k)));
+    if (k > 0) solid.advance({k, solid.state().time, 0.01}, seeping(solid, pressure * 0.025 * static_cast<double>(k)));
     const auto found = readings(solid);
     if (k % 20 != 0) continue;
     read.emplace_back(found.at("F"), found.at("F_error"));

@@ -198,10 +198,9 @@ class SafetyOfARun : public RealRun {
   void SetUp() override {
     RealRun::SetUp();
     fs::copy_file(fs::path(PORETWIN_SOURCE_DIR) / "cases" / "rapid_drawdown" / "case.toml", folder_ / "dam.toml");
-    const auto outcome =
-        poretwin({"run", (folder_ / "dam.toml").string(), "--out", out().string(), "--until", "864000", "--set",
-                  "fluid.particle_spacing=1", "--set", "gauge.0.every=432000", "--set", "output.interval=432000",
-                  "--no-pictures", "--quiet"});
+    const auto outcome = poretwin({"run", (folder_ / "dam.toml").string(), "--out", out().string(), "--until", "864000",
+                                   "--set", "fluid.particle_spacing=1", "--set", "gauge.0.every=432000", "--set",
+                                   "output.interval=432000", "--no-pictures", "--quiet"});
     ASSERT_EQ(outcome.exit, 0) << outcome.err;
   }
   Outcome safety(std::vector<std::string> more) const {
