@@ -47,6 +47,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"pressure_force", "fluid",
      "force per width of the water's pressure on the line between two `points` [N/m], such as the uplift of a floor; "
      "suction does not count; `_at`: distance of its line of action from the first of them"},
+    {"heave", "fluid",
+     "of the line between two `points` in soil: the water's pressure on it over the weight of soil and water that lies "
+     "above it up to the first gap, sums over the line; at 1 it lifts them"},
     {"balance", "fluid", "volumes `_in`, `_out`, `_stored` and `_error` = in - out - gain"},
     {"infiltration", "fluid",
      "of a field: rain that soaked in since the start, under the rain named by `quantity`; absent: all"},

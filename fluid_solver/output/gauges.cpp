@@ -54,6 +54,7 @@ class Reader {
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(Line<D>(gauge)), "m");
     if (gauge.kind == "exit_gradient") return exit_gradient(gauge.name, Line<D>(gauge));
     if (gauge.kind == "pressure_force") return pressure_force(gauge.name, Line<D>(gauge));
+    if (gauge.kind == "heave") return add(gauge.name, heave(Line<D>(gauge)), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
     if (gauge.kind == "balance") return balance(gauge, per_width);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -238,6 +239,39 @@ class Reader {
     }
     add(name, force, "N/m");
     add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
+  }
+
+  /// Weight of the soil as drawn, and of the water in it and on it, over a place [Pa]; 0 where no soil is above it.
+  [[nodiscard]] double overburden(const Vec<D>& x) const {
+    const double step = 0.25 * dx_;
+    const Vec<D> up = -weight_.normalized();
+    double weight = 0.0, top = 0.0;
+    for (double z = 0.5 * step;; z += step) {
+      const Stratum* soil = ground_.at(x + z * up);
+      if (soil == nullptr) break;
+      const double dry = soil->critical_gradient + 1.0 - soil->porosity;  // weight of the grains, over that of water
+      const double wet = soil->initial_saturation +
+                         (1.0 - soil->initial_saturation) * std::clamp(probe_.fullness(x + z * up), 0.0, 1.0);
+      weight += (dry + soil->porosity * wet) * gamma_ * step;
+      top = z + 0.5 * step;
+    }
+    if (top == 0.0) return 0.0;
+    const double on_it = probe_.pressure(x + top * up).value;
+    return weight + (on_it > 0.0 ? on_it : 0.0);
+  }
+
+  /// The water's pressure on a line over the weight of what lies above it, sums over the places with soil above.
+  [[nodiscard]] double heave(const Line<D>& line) const {
+    const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
+    double pushed = 0.0, weight = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const Vec<D> x = line.at((i + 0.5) * line.length / count);
+      const double above = overburden(x), p = probe_.pressure(x).value;
+      if (!(above > 0.0)) continue;
+      weight += above;
+      if (p > 0.0) pushed += p;
+    }
+    return weight > 0.0 ? pushed / weight : nan;
   }
 
   [[nodiscard]] bool inside(const Gauge& gauge, const Vec<D>& x) const {

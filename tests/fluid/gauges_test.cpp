@@ -77,7 +77,8 @@ TEST(Gauges, OfUpwardFlowTellTheGradientOverTheCriticalOne) {
   scene.walls = {wall(line(0.0, 0.3, 0.0, 0.0)), wall(line(0.4, 0.0, 0.4, 0.3))};
   scene.water_faces = {head_face(line(0.0, 0.0, 0.4, 0.0), 0.45), head_face(line(0.4, 0.3, 0.0, 0.3), 0.3)};
   scene.gauges = {gauge("bed", "exit_gradient", {{0.4, 0.3, 0.0}, {0.0, 0.3, 0.0}}),
-                  gauge("below", "exit_gradient", {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}})};
+                  gauge("below", "exit_gradient", {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}),
+                  gauge("heave", "heave", {{0.05, 0.1, 0.0}, {0.35, 0.1, 0.0}})};
   Fluid<2> fluid(scene);
   fluid.initialise({});
   double time = 0.0;
@@ -85,6 +86,9 @@ TEST(Gauges, OfUpwardFlowTellTheGradientOverTheCriticalOne) {
   EXPECT_NEAR(reading(fluid, "bed"), 0.5, 0.01);
   EXPECT_NEAR(reading(fluid, "bed_over_critical"), 0.5 / 0.9, 0.01);
   EXPECT_NEAR(reading(fluid, "below"), -0.5, 0.01);
+  // 0.3 m of water push from below, 0.2 m of soil weigh 0.6 * 2.5 + 0.4 = 1.9 times as much as water. At the critical
+  // gradient 0.9 it would be 1.
+  EXPECT_NEAR(reading(fluid, "heave"), 0.3 / 0.38, 0.01);
   for (const auto& r : fluid.gauges()) EXPECT_NE(r.gauge, "below_over_critical");
 }
 

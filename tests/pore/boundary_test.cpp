@@ -33,6 +33,7 @@ TEST(PoreBoundary, TheExitGradientIsToldOverTheCriticalOne) {
   scene.water_faces = {pressure_face(base_of(dx), 1.5), pressure_face(top_of(dx, 1.0), 0.0)};
   scene.gauges = {gauge("bed", "exit_gradient", top_of(dx, 1.0).points),
                   gauge("below", "exit_gradient", base_of(dx).points),
+                  gauge("heave", "heave", line(0.1 * dx, 0.2, 0.9 * dx, 0.2).points),
                   gauge("push", "pressure_force", up(0.5 * dx, {0.2, 0.8}))};
   PoreWater water(scene);
   run_to(water, 1e4);
@@ -40,6 +41,8 @@ TEST(PoreBoundary, TheExitGradientIsToldOverTheCriticalOne) {
   EXPECT_NEAR(reading(water, "bed_over_critical"), 0.5 / 0.9, 1e-3);
   EXPECT_NEAR(reading(water, "bed_at"), 0.5 * dx, 1e-9);
   for (const auto& r : water.gauges()) EXPECT_NE(r.gauge, "below_over_critical");
+  // 1.2 m of water push from below, 0.8 m of soil weigh 0.6 * 2.5 + 0.4 = 1.9 times as much as water.
+  EXPECT_NEAR(reading(water, "heave"), 1.2 / (0.8 * 1.9), 2e-3);
   // On an upright line the pressure falls by 1.5 m of water over 1 m, from 1.2 m at 0.2 m to 0.3 m at 0.8 m.
   EXPECT_NEAR(reading(water, "push") / (9810.0 * 0.75 * 0.6), 1.0, 1e-3);
   EXPECT_NEAR(reading(water, "push_at"), 0.6 / 3.0 * (1.2 + 2.0 * 0.3) / (1.2 + 0.3), 1e-3);

@@ -22,4 +22,7 @@ print("exit gradient H / (pi d sqrt(lambda)), lambda = (1 + sqrt(1 + alpha^2)) /
 x = -b + (np.arange(200000) + 0.5) * b / 200000
 pressure = 9810.0 * head(np.stack([x, 0.0 * x - 1e-12], axis=1))
 print(f"uplift of the floor: {pressure.mean() * b:.6g} N/m, {np.sum(pressure * (x + b)) / np.sum(pressure):.5g} m from its upper end")
+x = (np.arange(20000) + 0.5) * 0.5 * d / 20000
+below = head(np.stack([x, 0.0 * x - d], axis=1)) + d  # m, pressure head below a prism of soil behind the pile, d deep and d / 2 wide
+print(f"pressure below the prism over its weight: {below.mean() / (d * (0.6 * 2.65 + 0.4)):.5g}")
 print("heads [m]:", ", ".join(f"{h:.4f}" for h in head(PLACES)))
