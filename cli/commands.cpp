@@ -8,6 +8,7 @@
 #include "cli/peer.hpp"
 #include "cli/run.hpp"
 #include "cli/safety.hpp"
+#include "cli/safety_of_run.hpp"
 #include "cli/script.hpp"
 #include "cli/verify.hpp"
 #include "common/case/case.hpp"
@@ -34,6 +35,7 @@ struct CommandLine::Arguments {
   std::filesystem::path out, programs;
   std::string fluid, solid;
   double until = 0.0, tolerance = 0.01;
+  Instants instants;
   std::vector<std::string> set;
   bool any_address = false, page = false, no_pictures = false, quiet = false, resume = false, profile = false,
        overwrite = false, accept_changed_program = false, python = false;
@@ -78,7 +80,33 @@ int run(const Arguments& a, JsonOutput& json) {
   return result.exit;
 }
 
+int safety_of_run(const Arguments& a, JsonOutput& json) {
+  if (!a.set.empty())
+    throw CaseError("--set: the soil is that of the run, with the keys of the run; run the case again with other keys");
+  SafetyOfRunOptions options;
+  options.run = a.which;
+  options.out = a.out;
+  options.instants = a.instants;
+  options.tolerance = a.tolerance;
+  options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.quiet = a.quiet;
+  options.pictures = !a.no_pictures;
+  const SafetyOfRun found = find_safety_of_run(options);
+  if (found.exit != 0)
+    fmt::print(stderr, "poretwin: {}\n", found.reason);
+  else
+    fmt::print("{}", safety_of_run_text(found));
+  if (json.wanted()) json.write(safety_of_run_json(options, found));
+  return found.exit;
+}
+
 int safety(const Arguments& a, JsonOutput& json) {
+  if (is_run_folder(a.which)) return safety_of_run(a, json);
+  if (!a.instants.at.empty() || a.instants.every)
+    throw CaseError(
+        fmt::format("--at, --every: expected the folder of a run that has ended, with a run.toml, found {}; "
+                    "`poretwin run` makes one of a case",
+                    a.which));
   const CasePlace place = find_case(a.which);
   RunOptions options;
   options.case_file = place.file;
@@ -162,8 +190,8 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   app.require_subcommand(1);
   app.set_version_flag("--version", "poretwin " + version() + ", " + build(), "print version, build and commit");
   app.footer(exit_codes_text());
-  const auto with_case = [&](CLI::App* command) {
-    command->add_option("CASE", a.which, case_help)->required()->type_name("");
+  const auto with_case = [&](CLI::App* command, const std::string& help = case_help) {
+    command->add_option("CASE", a.which, help)->required()->type_name("");
     command->add_option("--set", a.set, "override a key of the case: section.key=value, soil.0.porosity=0.35")
         ->take_all()
         ->allow_extra_args(false)
@@ -230,9 +258,20 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
 
   auto* safety_command = app.add_subcommand(
       "safety", "Find the factor of safety: the soil's strength is reduced until it finds no equilibrium");
-  with_case(safety_command);
+  with_case(safety_command, std::string(case_help) +
+                                ": the soil at time zero; or the folder of a run that has ended: its soil at the times "
+                                "of --at and --every");
   with_programs(safety_command);
-  safety_command->add_option("--out", a.out, "folder of the trials (default runs/CASE-safety)")->type_name("DIR");
+  safety_command
+      ->add_option("--at", a.instants.at,
+                   "of a run: times [s], comma-separated; the nearest frames are taken (default: the last frame)")
+      ->delimiter(',')
+      ->type_name("T,...");
+  safety_command->add_option("--every", a.instants.every, "of a run: at the multiples of this time [s], too")
+      ->type_name("T")
+      ->check(CLI::PositiveNumber);
+  safety_command->add_option("--out", a.out, "folder of the results (default runs/CASE-safety, of a run RUN/safety)")
+      ->type_name("DIR");
   safety_command->add_option("--tolerance", a.tolerance, "width of the bracket over the factor")
       ->type_name("X")
       ->check(CLI::Range(1e-4, 0.5))

@@ -88,7 +88,9 @@ DescribedProgram describe_command(const CLI::App& app) {
 }
 
 DescribedProgram describe_process(const std::string& process) {
-  const auto kind = process == "coupler" ? coupling::Program::coupler : coupling::Program::phase;
+  const auto kind = process == "coupler" ? coupling::Program::coupler
+                    : process == "solid" ? coupling::Program::solid
+                                         : coupling::Program::phase;
   const std::string name = "poretwin-" + process;
   DescribedProgram program{
       name, "the " + process + " process of a run of poretwin", coupling::synopsis(name, kind), {{}}};

@@ -6,6 +6,7 @@ Called by `poretwin report RUN`; needs the Debian packages python3-h5py, python3
 """
 import argparse
 import base64
+import csv
 import html
 import io
 import json
@@ -286,9 +287,10 @@ def draw_state(page, run):
     page.add("</div>")
 
 
-def draw_field(page, run, phase, name, step, required=False):
-    """Draws one field with the soils' outlines and the water table; unless `required`, no picture of a field that is constant."""
-    frames = run.frames[phase]
+def draw_field(page, run, phase, name, step, required=False, frames=None):
+    """Draws one field (of the run's frames unless others are given) with the soils' outlines and the water table; unless `required`, no picture
+    of a field that is constant."""
+    frames = frames or run.frames[phase]
     shown = plot.Shown(frames, phase, name, [step])
     values = plot.scalar(frames, name, step)
     if not shown.steps or not (required or np.ptp(values[np.isfinite(values)]) > 0.0):
@@ -325,31 +327,53 @@ def plain(text):
     return " ".join(re.sub(r" ?\$[^$]*\$", "", text).split())
 
 
+AFTER = "poretwin safety"  # name of the factors that were found after the run
+
+
+def safety_after(run):
+    """Rows of RUN/safety/safety.csv, of `poretwin safety RUN`, ordered by time; empty where there is none."""
+    path = run.folder / "safety" / "safety.csv"
+    return sorted(csv.DictReader(path.read_text().splitlines()), key=lambda row: float(row["time_s"])) if path.exists() else []
+
+
 def draw_safety(page, run):
-    """Draws the factor of safety against time."""
-    names = [name for name in run.of_kind("factor_of_safety") if name in run.gauges]
-    if not names:
+    """Draws the factor of safety against time: as gauges read it, and as `poretwin safety RUN` found it."""
+    after = safety_after(run)
+    series = {name: run.gauges[name] for name in run.of_kind("factor_of_safety") if name in run.gauges}
+    errors = {name: run.gauges.get(f"{name}_error", {"v": np.zeros(len(series[name]["v"]))})["v"] for name in series}
+    if after:
+        series[AFTER] = {"t": [float(row["time_s"]) for row in after], "v": [float(row["factor"]) for row in after]}
+        errors[AFTER] = [float(row["error"]) for row in after]
+    if not series:
         return
     page.heading("Factor of safety")
     figure, axes = plt.subplots(figsize=(style.COLUMN, 0.55 * style.COLUMN), layout="constrained")
     rows = []
-    for name in names:
-        t, v = np.array(run.gauges[name]["t"]), np.array(run.gauges[name]["v"])
-        error = np.array(run.gauges.get(f"{name}_error", {"v": np.zeros(len(v))})["v"])
-        drawn, = axes.plot(t / run.unit[0], v, marker="o", label=name)
-        axes.fill_between(t / run.unit[0], v - error, v + error, color=drawn.get_color(), alpha=0.2, linewidth=0)
+    for name, found in series.items():
+        t, v, error = np.array(found["t"]), np.array(found["v"]), np.array(errors[name])
+        finite = np.isfinite(v)  # elsewhere the soil stands at any factor
+        drawn, = axes.plot(t[finite] / run.unit[0], v[finite], marker="o", label=name)
+        axes.fill_between(t[finite] / run.unit[0], (v - np.where(finite, error, 0.0))[finite], (v + error)[finite], color=drawn.get_color(), alpha=0.2, linewidth=0)
         least = int(np.nanargmin(v))
         rows.append([name, float(v[least]), float(error[least]), style.time(t[least], run.unit), float(v[-1])])
     axes.axhline(1.0, color="0.4", linewidth=0.8, linestyle="--")
     axes.set(xlabel=f"time [{run.unit[1]}]", ylabel="factor of safety")
     axes.grid(True)
-    if len(names) > 1:
+    if len(series) > 1:
         axes.legend()
     page.figure(figure, "By strength reduction, from the soil as it is at each time; band: the bracket.")
-    page.table(rows, ["gauge", "least", "±", "at", "at the end"])
-    if "solid" in run.frames and "failing_strain" in run.frames["solid"].fields():
+    page.table(rows, ["factor", "least", "±", "at", "at the end"])
+    least = min(((v, t, name) for name, found in series.items() for t, v in zip(found["t"], found["v"]) if np.isfinite(v)), default=(0.0, 0.0, AFTER))
+    if after:
+        rows = [[style.time(float(row["time_s"]), run.unit), float(row["factor"]), float(row["error"]), row["soil"], row["face"],
+                 f"{100.0 * float(row['share']):.0f} %" if row["share"] else ""] for row in after]
+        page.table(rows, ["time", "factor", "±", "soil that fails", "nearest water face", "share of all motion"])
+        frames = plot.Frames(run.folder / "safety" / "solid.vtkhdf")
+        step = int(np.argmin(np.abs(frames.times - least[1]))) if least[2] == AFTER else int(np.nanargmin(series[AFTER]["v"]))
+        page.add(f"<p>What fails at {style.time(frames.times[step], run.unit)}:</p>")
+        draw_field(page, run, "solid", "failing_strain", step, frames=frames)
+    elif "solid" in run.frames and "failing_strain" in run.frames["solid"].fields():
         times = run.frames["solid"].times
-        least = min(((v, t) for name in names for t, v in zip(run.gauges[name]["t"], run.gauges[name]["v"]) if np.isfinite(v)), default=(0.0, 0.0))
         later = np.flatnonzero(times >= least[1] * (1.0 - 1e-9))  # frames show the last reading
         page.add(f"<p>What fails where the factor is least (frame at {style.time(times[later[0] if len(later) else -1], run.unit)}):</p>")
         draw_field(page, run, "solid", "failing_strain", int(later[0]) if len(later) else len(times) - 1)

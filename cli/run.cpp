@@ -33,6 +33,39 @@
 
 namespace poretwin::cli {
 namespace fs = std::filesystem;
+int available_threads() {
+  if (const char* given = std::getenv("OMP_NUM_THREADS"); given != nullptr && std::atoi(given) > 0)
+    return std::atoi(given);
+  cpu_set_t set;
+  return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
+}
+
+namespace {
+
+std::string last_words(const fs::path& log) {
+  std::ifstream stream(log);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);)
+    if (!line.empty()) lines.push_back(line);
+  if (lines.empty()) return "(its log is empty)";
+  // The lines of the log from the last error on, or its last lines where there is none.
+  auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin();
+  for (auto line = lines.begin(); line != lines.end(); ++line)
+    if (line->find("error:") != std::string::npos) first = line;
+  std::string text;
+  for (; first != lines.end(); ++first) text += (text.empty() ? "" : "\n  ") + *first;
+  return text;
+}
+
+}  // namespace
+
+std::string reason_of(const Ended& ended) {
+  const std::string how = ended.signal != 0
+                              ? fmt::format("was killed by signal {} ({})", ended.signal, ::strsignal(ended.signal))
+                              : fmt::format("failed with exit code {}", ended.status);
+  return fmt::format("{} {}:\n  {}\n  (all of it: {})", ended.name, how, last_words(ended.log), ended.log.string());
+}
+
 namespace {
 
 constexpr int peer_failed = static_cast<int>(ExitCode::peer),
@@ -59,13 +92,6 @@ class PrivateFolder {
  private:
   fs::path path_;
 };
-
-int available_threads() {
-  if (const char* given = std::getenv("OMP_NUM_THREADS"); given != nullptr && std::atoi(given) > 0)
-    return std::atoi(given);
-  cpu_set_t set;
-  return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
-}
 
 /// The program for a role in the run.
 fs::path program_file(const RunOptions& options, const Case& scene, const std::string& role) {
@@ -147,28 +173,6 @@ RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   if (scene.deformable()) add("solid", options.solid);
   identity.emplace_back(program_entry, programs);
   return identity;
-}
-
-std::string last_words(const fs::path& log) {
-  std::ifstream stream(log);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);)
-    if (!line.empty()) lines.push_back(line);
-  if (lines.empty()) return "(its log is empty)";
-  // The lines of the log from the last error on, or its last lines where there is none.
-  auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin();
-  for (auto line = lines.begin(); line != lines.end(); ++line)
-    if (line->find("error:") != std::string::npos) first = line;
-  std::string text;
-  for (; first != lines.end(); ++first) text += (text.empty() ? "" : "\n  ") + *first;
-  return text;
-}
-
-std::string reason_of(const Ended& ended) {
-  const std::string how = ended.signal != 0
-                              ? fmt::format("was killed by signal {} ({})", ended.signal, ::strsignal(ended.signal))
-                              : fmt::format("failed with exit code {}", ended.status);
-  return fmt::format("{} {}:\n  {}\n  (all of it: {})", ended.name, how, last_words(ended.log), ended.log.string());
 }
 
 Summary::Numbers numbers_of(const nlohmann::ordered_json& data, const char* key) {

@@ -67,6 +67,12 @@ std::string summary_text(const RunResult& result, const std::filesystem::path& o
 nlohmann::ordered_json run_json(const std::string& case_name, const std::filesystem::path& case_file,
                                 const std::filesystem::path& out, const RunResult& result);
 
+/// Threads that a solver may use: OMP_NUM_THREADS, or the processors of this process.
+int available_threads();
+
+/// Why a process ended, with the last words of its log.
+std::string reason_of(const Ended& ended);
+
 /// The process that failed first, as opposed to those that failed because of it.
 const Ended* root_cause(const std::vector<Ended>& ended);
 

@@ -105,12 +105,20 @@ std::optional<RunRecord> read_run_record(const fs::path& out) {
   const fs::path file = out / "run.toml";
   if (!fs::exists(file)) return std::nullopt;
   const Node root = parse_document(read_text(file), file.string());
-  RunRecord record{text_of(root, "case"), text_of(root, "case_file"), text_of(root, "started"), text_of(root, "ended"),
-                   text_of(root, "reason"), std::nullopt, {}};
+  RunRecord record{text_of(root, "case"),
+                   text_of(root, "case_file"),
+                   text_of(root, "started"),
+                   text_of(root, "ended"),
+                   text_of(root, "reason"),
+                   std::nullopt,
+                   {},
+                   {}};
   if (const Node* exit = root.find("exit"); exit != nullptr && exit->kind == Node::Kind::integer)
     record.exit = static_cast<int>(exit->integer);
   if (const Node* identity = root.find("identity"); identity != nullptr)
     for (const auto& [name, value] : identity->entries) record.identity.emplace_back(name, value.text);
+  if (const Node* overrides = root.find("overrides"); overrides != nullptr)
+    for (const Node& assignment : overrides->items) record.overrides.push_back(assignment.text);
   return record;
 }
 
@@ -148,11 +156,21 @@ void RunFolder::clear() const {
     const bool ours = ending == ".vtkhdf" || ending == ".undo" || ending == ".xmf" || ending == ".h5" ||
                       file.ends_with(".summary.json") || (file.starts_with("gauges") && ending == ".csv") ||
                       (file.starts_with("trace") && ending == ".json") || file.starts_with("progress.json") ||
-                      file == "log" || file == "pictures" || file == "checkpoints";
+                      file == "log" || file == "pictures" || file == "checkpoints" || file == safety_folder;
     if (ours) fs::remove_all(entry.path(), error);
   }
   fs::create_directories(out_ / "log", error);
   if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", out_.string(), error.message()));
+}
+
+FileLock lock_ended_run(const fs::path& run, const std::string& what) {
+  const std::string subject = run.string() + ": a run writes into this folder";
+  FileLock lock(lock_file(run), subject, FileLock::Inherited::no);
+  lock.sign(what);
+  for (const char* name : processes)
+    if (const auto file = run / fmt::format("{}.lock", name); fs::exists(file))
+      FileLock(file, subject, FileLock::Inherited::no);
+  return lock;
 }
 
 FileLock lock_folder(const fs::path& out, const std::string& what) {

@@ -17,6 +17,7 @@ struct RunRecord {
   std::string case_name, case_file, started, ended, reason;
   std::optional<int> exit;  ///< absent: it is still running, or was killed
   RunIdentity identity;
+  std::vector<std::string> overrides;
 };
 
 /// Reads run.toml; nothing where there is none. Throws CaseError when it cannot be read.
@@ -54,6 +55,13 @@ class RunFolder {
   bool finished_ = false;
   std::string replaced_;
 };
+
+/// Locks the folder of a run that has ended, so that no run begins there meanwhile. Throws FileError where one is under
+/// way.
+FileLock lock_ended_run(const std::filesystem::path& run, const std::string& what);
+
+/// Subfolder of a run's folder for what `poretwin safety RUN` finds.
+inline constexpr const char* safety_folder = "safety";
 
 /// Locks a folder in which one command makes several runs.
 FileLock lock_folder(const std::filesystem::path& out, const std::string& what);

@@ -59,7 +59,7 @@ Amounts estimate(const Case& scene) {
     for (const auto& soil : scene.soils) a.solid += particles_in(soil.shape, scene.solid.particle_spacing, dimension);
   a.frames = instants(scene.general.end_time, scene.output.interval);
   // Doubles per particle and frame: three coordinates and the fields that the phases declare.
-  constexpr double fluid_numbers = 13.0, solid_numbers = 21.0;
+  constexpr double fluid_numbers = 13.0, solid_numbers = 26.0;
   a.frame_bytes = 8.0 * a.frames * (fluid_numbers * a.fluid + solid_numbers * a.solid);
   if (scene.output.gauge_interval > 0.0)
     for (const auto& gauge : scene.gauges)

@@ -25,8 +25,9 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array line_kinds{std::string_view("front"), std::string_view("discharge"),
-                                std::string_view("exit_height"), std::string_view("exit_gradient")};
+constexpr std::array line_kinds{std::string_view("front"),          std::string_view("discharge"),
+                                std::string_view("exit_height"),    std::string_view("exit_gradient"),
+                                std::string_view("pressure_force"), std::string_view("heave")};
 
 class Checker : Complaints {
  public:

@@ -404,14 +404,15 @@ class Doubts : Complaints {
       idle(key + ".pressure_head", g.kind != "front", "it belongs to a \"front\"");
       idle(key + ".every", g.kind != "factor_of_safety", "it belongs to \"factor_of_safety\"");
       idle(key + ".thickness", g.kind != "front" || g.phase != "solid", "it belongs to the \"front\" of the soil");
-      constexpr std::array with_points{"point",       "front",  "extent",        "spread",      "discharge",
-                                       "exit_height", "height", "exit_gradient", "slip_surface"};
+      constexpr std::array with_points{"point",        "front",          "extent", "spread",
+                                       "discharge",    "exit_height",    "height", "exit_gradient",
+                                       "slip_surface", "pressure_force", "heave"};
       idle(key + ".points", std::find(with_points.begin(), with_points.end(), g.kind) == with_points.end(),
            fmt::format("a gauge of kind \"{}\" is of the whole phase, or of its 'region'", g.kind));
-      constexpr std::array without_region{"point",         "front",       "discharge",        "exit_height",
-                                          "exit_gradient", "height",      "slip_surface",     "level",
-                                          "passed_volume", "balance",     "received_impulse", "drag_work",
-                                          "infiltration",  "evaporation", "runoff",           "factor_of_safety"};
+      constexpr std::array without_region{
+          "point",        "front",       "discharge",     "exit_height",      "exit_gradient",    "height",
+          "slip_surface", "level",       "passed_volume", "balance",          "received_impulse", "drag_work",
+          "infiltration", "evaporation", "runoff",        "factor_of_safety", "pressure_force",   "heave"};
       idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
            fmt::format("a gauge of kind \"{}\" knows no region", g.kind));
     }

@@ -16,11 +16,11 @@ namespace {
 
 /// Kinds of gauges that a field of pore water can have.
 constexpr std::array field_kinds{
-    std::string_view("point"),       std::string_view("front"),         std::string_view("discharge"),
-    std::string_view("exit_height"), std::string_view("exit_gradient"), std::string_view("volume"),
-    std::string_view("balance"),     std::string_view("level"),         std::string_view("passed_volume"),
-    std::string_view("particles"),   std::string_view("infiltration"),  std::string_view("evaporation"),
-    std::string_view("runoff")};
+    std::string_view("point"),       std::string_view("front"),          std::string_view("discharge"),
+    std::string_view("exit_height"), std::string_view("exit_gradient"),  std::string_view("volume"),
+    std::string_view("balance"),     std::string_view("level"),          std::string_view("passed_volume"),
+    std::string_view("particles"),   std::string_view("infiltration"),   std::string_view("evaporation"),
+    std::string_view("runoff"),      std::string_view("pressure_force"), std::string_view("heave")};
 /// Kinds of gauges for a field only, not for water as particles.
 constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
                                 std::string_view("runoff")};

@@ -40,7 +40,16 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "volume per time through the wet part of the line between two `points`, positive from its right to its left side; "
      "of a field also the inflow through the face named by `quantity`"},
     {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points`"},
-    {"exit_gradient", "fluid", "largest outward hydraulic gradient over such a face"},
+    {"exit_gradient", "fluid",
+     "largest outward hydraulic gradient over such a face; `_at`: its distance from the first of the `points`; "
+     "`_over_critical`, where the face looks upwards: largest ratio to the gradient that lifts the grains off it, "
+     "(1 - n)(rho_s / rho_w - 1) times the cosine of the face's slope"},
+    {"pressure_force", "fluid",
+     "force per width of the water's pressure on the line between two `points` [N/m], such as the uplift of a floor; "
+     "suction does not count; `_at`: distance of its line of action from the first of them"},
+    {"heave", "fluid",
+     "of the line between two `points` in soil: the water's pressure on it over the weight of soil and water that lies "
+     "above it up to the first gap, sums over the line; at 1 it lifts them"},
     {"balance", "fluid", "volumes `_in`, `_out`, `_stored` and `_error` = in - out - gain"},
     {"infiltration", "fluid",
      "of a field: rain that soaked in since the start, under the rain named by `quantity`; absent: all"},

@@ -41,7 +41,7 @@ Argument seconds(const char* name, const char* help, double Arguments::*member, 
 }
 
 std::vector<Argument> table(Program program) {
-  const bool phase = program == Program::phase;
+  const bool phase = program != Program::coupler;
   std::vector<Argument> all{
       text("--out", "DIR", "folder of the results", &Arguments::out),
       phase ? text("--connect", "ADDRESS", "the coupler's: ipc:///path or tcp://host:port", &Arguments::address)
@@ -53,6 +53,18 @@ std::vector<Argument> table(Program program) {
   else
     all.push_back(flag("--allow-any-address", "listen beyond this machine without keys, for a network that is trusted",
                        &Arguments::allow_any_address));
+  if (program == Program::solid)
+    all.insert(
+        all.end(),
+        {text("--safety-of", "FILE",
+              "in place of a run: the factor of safety of the soil in frames of a run, FILE being its solid.vtkhdf",
+              &Arguments::safety_of),
+         {{"--frame", "N", "of --safety-of: number of a frame, from 0; may be given again"},
+          [](Arguments& out, const std::string& given) {
+            out.frames.push_back(static_cast<std::size_t>(number_after("--frame", given, true)));
+          }},
+         {{"--tolerance", "X", "of --safety-of: width of the bracket over the factor (0.01)"},
+          [](Arguments& out, const std::string& given) { out.tolerance = number_after("--tolerance", given); }}});
   all.insert(
       all.end(),
       {text("--keys", "FILE",
@@ -107,11 +119,12 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
   if (out.case_file.empty() && (program == Program::coupler || out.alone))
     throw CaseError("argument --case FILE is missing");
   if (out.out.empty()) throw CaseError("argument --out DIR is missing");
+  if (!out.safety_of.empty() && !out.alone) throw CaseError("argument --safety-of needs --alone");
   if (out.alone != out.address.empty())
     throw CaseError(out.alone
                         ? "--alone and --connect exclude each other"
                         : fmt::format("argument {} is missing",
-                                      program == Program::phase ? "--connect ADDRESS or --alone" : "--bind ADDRESS"));
+                                      program == Program::coupler ? "--bind ADDRESS" : "--connect ADDRESS or --alone"));
   return out;
 }
 

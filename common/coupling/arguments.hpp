@@ -23,8 +23,12 @@ struct Arguments {
   bool profile = false;                 ///< write all time spans to OUT/trace.<process>.json
   double checkpoint_every = 60.0;       ///< s of wall-clock time; infinite: only when interrupted
   std::vector<std::string> overrides;
+  std::filesystem::path
+      safety_of;  ///< solid: frames of a run, of which the factor of safety is searched for; else empty
+  std::vector<std::size_t> frames;  ///< solid: numbers of these frames, from 0
+  double tolerance = 0.01;          ///< solid: width of the bracket over the factor
 };
-enum class Program { phase, coupler };
+enum class Program { phase, solid, coupler };
 
 /// An argument as shown by --help, man pages and shell completions.
 struct DeclaredArgument {

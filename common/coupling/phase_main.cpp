@@ -132,7 +132,8 @@ int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<P
   Run run;
   const bool field = role == Role::fluid && representation == FluidCase::Representation::field;
   const std::string name(to_string(role));
-  return process_main(argc, argv, "poretwin-" + (field ? "pore" : name), name, Program::phase,
+  return process_main(argc, argv, "poretwin-" + (field ? "pore" : name), name,
+                      role == Role::solid ? Program::solid : Program::phase,
                       {[&](const Arguments& arguments) {
                          execute(arguments, role, make, representation, run);
                          return run.report.interrupted;

@@ -57,6 +57,10 @@ double Resistance::speed(double force) const {
   return linear + root > 0.0 ? 2.0 * force / (linear + root) : 0.0;
 }
 
+double critical_gradient(const Case& scene, const Soil& soil) {
+  return (1.0 - soil.porosity) * (soil.grain_density / scene.water.density - 1.0);
+}
+
 double specific_weight(const Case& scene) {
   const double g = scene.general.gravity.norm();
   return scene.water.density * (g > 0.0 ? g : 9.81);

@@ -22,6 +22,10 @@ struct Resistance {
 /// where there is none.
 double specific_weight(const Case& scene);
 
+/// Outward hydraulic gradient at which water that leaves a soil upwards lifts its grains: their buoyant weight over
+/// that of as much water, (1 - n) (rho_s / rho_w - 1) (Terzaghi 1922).
+double critical_gradient(const Case& scene, const Soil& soil);
+
 /// The value of a law's parameter in a soil: as the case gives it, or the default.
 double parameter(const Soil& soil, const LawParameter& parameter);
 

@@ -274,6 +274,25 @@ std::vector<double> File::read_numbers(const std::string& dataset) const {
   return values;
 }
 
+std::vector<double> File::read_rows(const std::string& dataset, std::size_t first, std::size_t count) const {
+  const auto size = shape(dataset);
+  if (size.empty() || size.size() > 2 || size.front() < first + count)
+    throw FileError(fmt::format("{}: {}: expected at least {} rows, found {}", path_, dataset, first + count,
+                                size.empty() ? 0 : size.front()));
+  const std::string action = "reading " + dataset;
+  const hsize_t columns = size.size() > 1 ? size[1] : 1;
+  const hsize_t start[2] = {first, 0}, block[2] = {count, columns};
+  const int rank = static_cast<int>(size.size());
+  std::vector<double> values(count * columns);
+  if (values.empty()) return values;
+  const Id data = check(H5Dopen2(id_.get(), dataset.c_str(), H5P_DEFAULT), close_object, "opening data set " + dataset);
+  const Id in_file = check(H5Dget_space(data.get()), close_space, action);
+  const Id in_memory = check(H5Screate_simple(rank, block, nullptr), close_space, action);
+  check(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start, nullptr, block, nullptr), action);
+  check(H5Dread(data.get(), H5T_NATIVE_DOUBLE, in_memory.get(), in_file.get(), H5P_DEFAULT, values.data()), action);
+  return values;
+}
+
 std::vector<std::int64_t> File::read_integers(const std::string& dataset) const {
   std::size_t count = 1;
   for (const auto n : shape(dataset)) count *= n;

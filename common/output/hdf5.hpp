@@ -79,6 +79,8 @@ class File {
   [[nodiscard]] std::vector<std::string> names(const std::string& group) const;
   [[nodiscard]] std::vector<std::size_t> shape(const std::string& dataset) const;
   [[nodiscard]] std::vector<double> read_numbers(const std::string& dataset) const;
+  /// The rows [first, first + count) of a data set, one after the other. Throws FileError where it has fewer.
+  [[nodiscard]] std::vector<double> read_rows(const std::string& dataset, std::size_t first, std::size_t count) const;
   [[nodiscard]] std::vector<std::int64_t> read_integers(const std::string& dataset) const;
   [[nodiscard]] std::string read_text(const std::string& dataset) const;
   [[nodiscard]] std::string attribute_text(const std::string& object, const std::string& name) const;

@@ -24,6 +24,7 @@ struct Stratum {
                                     ///< soil moves with the grains
   double initial_saturation = 0.0;  ///< s_r0
   double suction_head = 0.0;        ///< m, suction head at a wetting front
+  double critical_gradient = 0.0;   ///< at which water that leaves upwards lifts the grains
   porous::Seepage seepage;          ///< law of seepage at this porosity
   porous::Resistance resistance;    ///< resistance to water that fills the fillable porosity
 };
@@ -40,6 +41,7 @@ class Ground {
       s.fillable_porosity = soil.porosity * (1.0 - soil.initial_saturation);
       s.initial_saturation = soil.initial_saturation;
       s.suction_head = soil.suction_head;
+      s.critical_gradient = porous::critical_gradient(scene, soil);
       s.seepage = porous::seepage_at(scene, soil, soil.porosity);
       s.resistance = porous::resistance(specific_weight_, s.fillable_porosity, s.seepage);
       strata_.push_back(s);

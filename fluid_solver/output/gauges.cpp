@@ -52,7 +52,9 @@ class Reader {
     if (gauge.kind == "front") return add(gauge.name, front(Line<D>(gauge)), "m");
     if (gauge.kind == "discharge") return add(gauge.name, discharge(Line<D>(gauge)), per_width + "/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(Line<D>(gauge)), "m");
-    if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(Line<D>(gauge)), "1");
+    if (gauge.kind == "exit_gradient") return exit_gradient(gauge.name, Line<D>(gauge));
+    if (gauge.kind == "pressure_force") return pressure_force(gauge.name, Line<D>(gauge));
+    if (gauge.kind == "heave") return add(gauge.name, heave(Line<D>(gauge)), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
     if (gauge.kind == "balance") return balance(gauge, per_width);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -199,18 +201,77 @@ class Reader {
     return nan;
   }
 
-  /// Largest outward hydraulic gradient at a face (domain on its left) where there is water inside.
-  [[nodiscard]] double exit_gradient(const Line<D>& line) const {
-    double largest = nan;
+  /// Largest outward hydraulic gradient at a face (domain on its left) where there is water inside, its place along the
+  /// line [m] and, where the face looks upwards, the largest ratio to the gradient that lifts the grains off it. The
+  /// buoyant weight acts across a face inclined by the angle b with its part cos b.
+  void exit_gradient(const std::string& name, const Line<D>& line) {
+    double largest = nan, at = nan, over_critical = nan;
+    const double upwards = elevation(-line.left);
     const int count = std::max(1, static_cast<int>(line.length / (0.5 * dx_)));
     for (int i = 0; i < count; ++i) {
-      const Vec<D> x = line.at((i + 0.5) * line.length / count) + 0.5 * dx_ * line.left;
+      const double place = (i + 0.5) * line.length / count;
+      const Vec<D> x = line.at(place) + 0.5 * dx_ * line.left;
       if (probe_.fullness(x) < 0.5) continue;
       const auto p = probe_.pressure(x);
       const double gradient = (p.gradient - weight_).dot(line.left) / gamma_;
-      if (std::isfinite(p.value) && !(gradient <= largest)) largest = gradient;
+      if (!std::isfinite(p.value)) continue;
+      if (const Stratum* soil = ground_.at(x))
+        over_critical = std::fmax(over_critical, gradient / (soil->critical_gradient * upwards));
+      if (gradient <= largest) continue;
+      largest = gradient;
+      at = place;
     }
-    return largest;
+    add(name, largest, "1");
+    add(name + "_at", at, "m");
+    if (upwards > 1e-9) add(name + "_over_critical", over_critical, "1");
+  }
+
+  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's
+  /// start.
+  void pressure_force(const std::string& name, const Line<D>& line) {
+    const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
+    double force = 0.0, moment = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double place = (i + 0.5) * line.length / count, p = probe_.pressure(line.at(place)).value;
+      if (!(p > 0.0)) continue;
+      force += p * line.length / count;
+      moment += place * p * line.length / count;
+    }
+    add(name, force, "N/m");
+    add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
+  }
+
+  /// Weight of the soil as drawn, and of the water in it and on it, over a place [Pa]; 0 where no soil is above it.
+  [[nodiscard]] double overburden(const Vec<D>& x) const {
+    const double step = 0.25 * dx_;
+    const Vec<D> up = -weight_.normalized();
+    double weight = 0.0, top = 0.0;
+    for (double z = 0.5 * step;; z += step) {
+      const Stratum* soil = ground_.at(x + z * up);
+      if (soil == nullptr) break;
+      const double dry = soil->critical_gradient + 1.0 - soil->porosity;  // weight of the grains, over that of water
+      const double wet = soil->initial_saturation +
+                         (1.0 - soil->initial_saturation) * std::clamp(probe_.fullness(x + z * up), 0.0, 1.0);
+      weight += (dry + soil->porosity * wet) * gamma_ * step;
+      top = z + 0.5 * step;
+    }
+    if (top == 0.0) return 0.0;
+    const double on_it = probe_.pressure(x + top * up).value;
+    return weight + (on_it > 0.0 ? on_it : 0.0);
+  }
+
+  /// The water's pressure on a line over the weight of what lies above it, sums over the places with soil above.
+  [[nodiscard]] double heave(const Line<D>& line) const {
+    const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
+    double pushed = 0.0, weight = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const Vec<D> x = line.at((i + 0.5) * line.length / count);
+      const double above = overburden(x), p = probe_.pressure(x).value;
+      if (!(above > 0.0)) continue;
+      weight += above;
+      if (p > 0.0) pushed += p;
+    }
+    return weight > 0.0 ? pushed / weight : nan;
   }
 
   [[nodiscard]] bool inside(const Gauge& gauge, const Vec<D>& x) const {

@@ -1,5 +1,6 @@
 #include "pore_solver/output/gauges.hpp"
 
+#include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/media/retention_law.hpp"
@@ -27,6 +28,14 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
     if (gauge.kind == "point")
       for (const auto& x : gauge.points) p.points.push_back(probes.at(x));
     if (gauge.kind == "front") p.line = probes.along(gauge.points[0], gauge.points[1]);
+    if (gauge.kind == "pressure_force") p.line = probes.along(gauge.points[0], gauge.points[1]);
+    if (gauge.kind == "heave") {
+      const Point3 up = -scene.general.gravity.normalized();
+      double highest = -std::numeric_limits<double>::infinity();
+      for (const auto& soil : scene.soils) highest = std::max(highest, extent(soil.shape, up, 2).second);
+      for (const auto& x : places_along({gauge.points[0], gauge.points[1]}, 0.5 * scene.fluid.particle_spacing))
+        p.above.push_back(probes.along(x, x + std::max(0.0, highest - up.dot(x)) * up));
+    }
     if (gauge.kind == "discharge" && !gauge.points.empty()) {
       const Piece line{gauge.points[0], gauge.points[1]};
       for (std::size_t i = 0; i < network.links.size(); ++i) {
@@ -64,7 +73,9 @@ class Gauges::Reader {
     if (gauge.kind == "front") return add(gauge.name, front(gauge, places.line), "m");
     if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(gauge, places), "m");
-    if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(places), "1");
+    if (gauge.kind == "exit_gradient") return exit_gradient(gauge, places);
+    if (gauge.kind == "pressure_force") return pressure_force(gauge.name, places.line);
+    if (gauge.kind == "heave") return add(gauge.name, heave(places), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
     if (gauge.kind == "balance") return balance(gauge);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
@@ -182,17 +193,72 @@ class Gauges::Reader {
     const double place = at[0] - (at[1] - at[0]) / (ratio - 1.0);
     return up.dot(gauge.points[0] + place * (gauge.points[1] - gauge.points[0]).normalized());
   }
-  /// Largest outward flow per area, over the saturated conductivity.
-  [[nodiscard]] double exit_gradient(const Places& places) const {
-    double largest = nan;
+  /// Largest outward flow per area, over the saturated conductivity, its place along the line [m] and, where the face
+  /// looks upwards, the largest ratio to the gradient that lifts the grains off it. The buoyant weight acts across a
+  /// face inclined by the angle b with its part cos b.
+  void exit_gradient(const Gauge& gauge, const Places& places) {
+    double largest = nan, at = nan, over_critical = nan;
+    const Piece line{gauge.points[0], gauge.points[1]};
+    const double upwards = scene_.general.gravity.normalized().dot(line.left());
     for (const std::size_t i : places.segments) {
       if (!(state_.inflow[i] < 0.0)) continue;
       const Segment& s = network_.segments[i];
       const Soil& soil = scene_.soils[network_.soil[s.point]];
-      largest =
-          std::fmax(largest, -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity);
+      const double gradient = -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+      over_critical = std::fmax(over_critical, gradient / (porous::critical_gradient(scene_, soil) * upwards));
+      if (gradient <= largest) continue;
+      largest = gradient;
+      at = (s.centre - line.a).dot((line.b - line.a).normalized());
     }
-    return largest;
+    add(gauge.name, largest, "1");
+    add(gauge.name + "_at", at, "m");
+    if (upwards > 1e-9) add(gauge.name + "_over_critical", over_critical, "1");
+  }
+
+  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's
+  /// start. The pressure is linear between the places of the line; places outside the soil do not count.
+  void pressure_force(const std::string& name, const ProbeLine& line) {
+    double force = 0.0, moment = 0.0;
+    for (std::size_t i = 1; i < line.place.size(); ++i) {
+      const double from = line.place[i - 1], to = line.place[i];
+      if (to - from > 1.5 * line.step) continue;
+      const auto pressure = [&](std::size_t k) {
+        return porous::specific_weight(scene_) * std::max(0.0, head(line.probe[k]));
+      };
+      const double part = 0.5 * (pressure(i - 1) + pressure(i)) * (to - from);
+      force += part;
+      moment += 0.5 * (from + to) * part;
+    }
+    add(name, force, "N/m");
+    add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
+  }
+
+  /// Weight of the soil, and of the water in it and on it, over the start of a line upwards [Pa]; 0 where no soil is
+  /// above it.
+  [[nodiscard]] double overburden(const ProbeLine& line) const {
+    double weight = 0.0;
+    const auto bulk = [&](const Probe& probe) {
+      const Soil& soil = scene_.soils[network_.soil[probe.point[0]]];
+      const double wet = std::clamp(probe.of([&](Index a) { return degree_of_saturation(a); }), 0.0, 1.0);
+      return (1.0 - soil.porosity) * soil.grain_density / scene_.water.density + soil.porosity * wet;
+    };
+    std::size_t last = 0;
+    for (; last + 1 < line.place.size() && line.place[last + 1] - line.place[last] < 1.5 * line.step; ++last)
+      weight += 0.5 * (bulk(line.probe[last]) + bulk(line.probe[last + 1])) * line.step;
+    if (last == 0) return 0.0;
+    return porous::specific_weight(scene_) * (weight + std::max(0.0, head(line.probe[last])));
+  }
+
+  /// The water's pressure on a line over the weight of what lies above it, sums over the places with soil above.
+  [[nodiscard]] double heave(const Places& places) const {
+    double pushed = 0.0, weight = 0.0;
+    for (const auto& line : places.above) {
+      const double above = overburden(line);
+      if (!(above > 0.0) || line.place.front() > 0.0) continue;
+      weight += above;
+      pushed += porous::specific_weight(scene_) * std::max(0.0, head(line.probe.front()));
+    }
+    return weight > 0.0 ? pushed / weight : nan;
   }
 
   [[nodiscard]] double volume(const Gauge& gauge) const {

@@ -30,6 +30,7 @@ class Gauges {
     ProbeLine line;
     std::vector<Crossing> crossings;
     std::vector<std::size_t> segments;  ///< segments along a face
+    std::vector<ProbeLine> above;       ///< lines from places upwards through the soil
     std::array<ProbeLine, 2> beside;    ///< the face moved into the soil by one and two depths
   };
   class Reader;

@@ -84,6 +84,7 @@ ProbeLine Probes::along(const Point3& from, const Point3& to) const {
   ProbeLine line;
   line.length = (to - from).norm();
   const int parts = std::max(1, static_cast<int>(std::ceil(line.length / (0.25 * scene_.fluid.particle_spacing))));
+  line.step = line.length / parts;
   for (int i = 0; i <= parts; ++i) {
     const Point3 x = from + (to - from) * i / parts;
     if (const auto probe = at(x)) {

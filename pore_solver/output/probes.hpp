@@ -28,7 +28,7 @@ struct Probe {
 
 /// A straight line through the soil.
 struct ProbeLine {
-  double length = 0.0;  ///< m
+  double length = 0.0, step = 0.0;  ///< m; step: between two places
   ScalarArray place;    ///< m, distances of the places from its start, increasing; only places in the soil
   std::vector<Probe> probe;
 };

@@ -1,6 +1,7 @@
 #include "solid_solver/output/report.hpp"
 
 #include "solid_solver/output/readout.hpp"
+#include "solid_solver/statics/safety.hpp"
 
 #include <fmt/format.h>
 
@@ -26,10 +27,20 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
   add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6}, stress);
   add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1},
       tell_scalars([&state](std::size_t i) { return state.external.pressure[i]; }));
+  add({"water_force", "N/m3", "force of the pore water on the skeleton: pressure, and the drag of steady flow", 3},
+      [&state, &setup](std::size_t i, double* numbers) {
+        const Vec<D> force = standing_water_force(setup, state, i);
+        for (int d = 0; d < 3; ++d) numbers[d] = d < D ? force[d] : 0.0;
+      });
+  if (!p.slipped.empty())
+    add({"wall_slip", "m", "displacement that belongs to the soil's slip along frictional walls", 3},
+        tell_vectors<D>(p.slipped));
   add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1},
       tell_scalars([&p, &setup](std::size_t i) { return void_fraction(setup, p, i); }));
   add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1},
       tell_scalars([&state](std::size_t i) { return state.external.saturation[i]; }));
+  add({"coverage", "1", "fraction of the particle that the water's points cover", 1},
+      tell_scalars([&state](std::size_t i) { return state.external.coverage[i]; }));
   add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1},
       tell_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
   add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1},

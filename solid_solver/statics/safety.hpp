@@ -10,16 +10,30 @@
 
 namespace poretwin::solid {
 
+/// The factor, and how the soil fails in the failing trial nearest to it.
+template <int D>
 struct FactorOfSafety : Border {
-  ScalarArray failing_strain;  ///< plastic strain of each particle in the failing trial nearest to the factor
+  ScalarArray failing_strain;        ///< plastic strain of each free particle in that trial
+  VecArray<D> failing_displacement;  ///< m, displacement of each free particle in that trial
 };
 
-/// The factor by which cohesion and tan(friction angle) of all soils can be divided until the soil finds no equilibrium
-/// (Griffiths & Lane 1999). Weight, loads and the water's forces of this instant act unchanged. Every trial starts from
-/// the present stress. Empty where the run is interrupted meanwhile.
+/// Force of the pore water on the skeleton per volume [N/m3] at particle i; where both exchange drag, that of steady
+/// flow.
 template <int D>
-std::optional<FactorOfSafety> factor_of_safety(const Setup<D>& setup, const State<D>& state,
-                                               const BorderSearch& search);
+Vec<D> standing_water_force(const Setup<D>& setup, const State<D>& state, std::size_t i);
+
+/// The factor by which cohesion and tan(friction angle) of all soils can be divided until the soil finds no equilibrium
+/// (Griffiths & Lane 1999). Weight, loads and the water's forces of this instant act unchanged. water: these forces [N]
+/// on each particle. Every trial starts from the present stress, at rest. The factor follows from what frames tell of
+/// the soil and from `water` alone: positions, displacements, volumes, stresses, plastic strains, state variables of
+/// the materials, saturations, coverage by water, and displacements along frictional walls. Empty where the run is
+/// interrupted meanwhile.
+template <int D>
+std::optional<FactorOfSafety<D>> factor_of_safety(const Setup<D>& setup, const State<D>& state,
+                                                  const VecArray<D>& water, const BorderSearch& search);
+
+/// The search for a factor near the last one that was found; 0: none was.
+BorderSearch search_near(double last, double tolerance);
 
 /// The last reading of the gauges of kind "factor_of_safety".
 struct SafetyRecord {

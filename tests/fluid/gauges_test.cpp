@@ -66,6 +66,32 @@ TEST(Gauges, OfAWaterTableAtRest) {
   }
 }
 
+// Upward flow with the gradient i = 0.5 through a bed that looks upwards, whose critical gradient is
+// (1 - n)(rho_s / rho_w - 1) = 0.6 * 1.5 = 0.9.
+TEST(Gauges, OfUpwardFlowTellTheGradientOverTheCriticalOne) {
+  auto scene = moist_soil();
+  scene.soils[0].initial_saturation = 0.0;
+  scene.soils[0].porosity = 0.4;
+  scene.soils[0].grain_density = 2500.0;
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.walls = {wall(line(0.0, 0.3, 0.0, 0.0)), wall(line(0.4, 0.0, 0.4, 0.3))};
+  scene.water_faces = {head_face(line(0.0, 0.0, 0.4, 0.0), 0.45), head_face(line(0.4, 0.3, 0.0, 0.3), 0.3)};
+  scene.gauges = {gauge("bed", "exit_gradient", {{0.4, 0.3, 0.0}, {0.0, 0.3, 0.0}}),
+                  gauge("below", "exit_gradient", {{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}}),
+                  gauge("heave", "heave", {{0.05, 0.1, 0.0}, {0.35, 0.1, 0.0}})};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 10.0);
+  EXPECT_NEAR(reading(fluid, "bed"), 0.5, 0.01);
+  EXPECT_NEAR(reading(fluid, "bed_over_critical"), 0.5 / 0.9, 0.01);
+  EXPECT_NEAR(reading(fluid, "below"), -0.5, 0.01);
+  // 0.3 m of water push from below, 0.2 m of soil weigh 0.6 * 2.5 + 0.4 = 1.9 times as much as water. At the critical
+  // gradient 0.9 it would be 1.
+  EXPECT_NEAR(reading(fluid, "heave"), 0.3 / 0.38, 0.01);
+  for (const auto& r : fluid.gauges()) EXPECT_NE(r.gauge, "below_over_critical");
+}
+
 // Level flow between two reservoirs under a lid: hydraulic gradient i = 0.25, discharge q = k i h.
 TEST(Gauges, OfLevelFlow) {
   auto scene = moist_soil();
@@ -80,6 +106,7 @@ TEST(Gauges, OfLevelFlow) {
                   gauge("upper_half", "discharge", {{0.2, 0.3, 0.0}, {0.2, 0.15, 0.0}}),
                   gauge("in", "exit_gradient", {{0.0, 0.3, 0.0}, {0.0, 0.0, 0.0}}),
                   gauge("out", "exit_gradient", {{0.4, 0.0, 0.0}, {0.4, 0.3, 0.0}}),
+                  gauge("lift", "pressure_force", {{0.0, 0.3, 0.0}, {0.4, 0.3, 0.0}}),
                   gauge("head", "point", {{0.1, 0.1, 0.0}, {0.3, 0.2, 0.0}}, "head"),
                   gauge("velocity", "point", {{0.2, 0.1, 0.0}}, "velocity"),
                   gauge("left", "passed_volume", {}, "left"),
@@ -98,6 +125,12 @@ TEST(Gauges, OfLevelFlow) {
   EXPECT_NEAR(reading(fluid, "upper_half") / q, 0.5, 2e-3);
   EXPECT_NEAR(reading(fluid, "out"), 0.25, 0.0025);
   EXPECT_NEAR(reading(fluid, "in"), -0.25, 0.0025);  // inflow has a negative gradient
+  EXPECT_GT(reading(fluid, "out_at"), 0.0);
+  EXPECT_LT(reading(fluid, "out_at"), 0.3);
+  for (const auto& r : fluid.gauges()) EXPECT_NE(r.gauge, "out_over_critical") << "an upright face lets no grains rise";
+  // On the lid the head over it falls from 0.2 to 0.1 m.
+  EXPECT_NEAR(reading(fluid, "lift") / (9810.0 * 0.15 * 0.4), 1.0, 2e-3);
+  EXPECT_NEAR(reading(fluid, "lift_at"), 0.4 / 3.0 * (0.2 + 2.0 * 0.1) / (0.2 + 0.1), 1e-3);
   EXPECT_NEAR(reading(fluid, "head[0]"), 0.475, 1e-4);
   EXPECT_NEAR(reading(fluid, "head[1]"), 0.425, 1e-4);
   EXPECT_NEAR(reading(fluid, "velocity_x") / v, 1.0, 2e-3);

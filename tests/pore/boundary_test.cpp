@@ -23,6 +23,31 @@ TEST(PoreBoundary, AReservoirFillsTheSoilToItsLevel) {
   }
 }
 
+// Upward flow with the gradient 0.5 through a bed whose critical gradient is (1 - n)(rho_s / rho_w - 1) = 0.6 * 1.5 =
+// 0.9.
+TEST(PoreBoundary, TheExitGradientIsToldOverTheCriticalOne) {
+  Soil sand = sharp(0.4, 1e-3);
+  sand.grain_density = 2500.0;
+  Case scene = column(sand, 1.0, dx, 1e4);
+  scene.fluid.initial_water_table = 1.0;
+  scene.water_faces = {pressure_face(base_of(dx), 1.5), pressure_face(top_of(dx, 1.0), 0.0)};
+  scene.gauges = {gauge("bed", "exit_gradient", top_of(dx, 1.0).points),
+                  gauge("below", "exit_gradient", base_of(dx).points),
+                  gauge("heave", "heave", line(0.1 * dx, 0.2, 0.9 * dx, 0.2).points),
+                  gauge("push", "pressure_force", up(0.5 * dx, {0.2, 0.8}))};
+  PoreWater water(scene);
+  run_to(water, 1e4);
+  EXPECT_NEAR(reading(water, "bed"), 0.5, 1e-3);
+  EXPECT_NEAR(reading(water, "bed_over_critical"), 0.5 / 0.9, 1e-3);
+  EXPECT_NEAR(reading(water, "bed_at"), 0.5 * dx, 1e-9);
+  for (const auto& r : water.gauges()) EXPECT_NE(r.gauge, "below_over_critical");
+  // 1.2 m of water push from below, 0.8 m of soil weigh 0.6 * 2.5 + 0.4 = 1.9 times as much as water.
+  EXPECT_NEAR(reading(water, "heave"), 1.2 / (0.8 * 1.9), 2e-3);
+  // On an upright line the pressure falls by 1.5 m of water over 1 m, from 1.2 m at 0.2 m to 0.3 m at 0.8 m.
+  EXPECT_NEAR(reading(water, "push") / (9810.0 * 0.75 * 0.6), 1.0, 1e-3);
+  EXPECT_NEAR(reading(water, "push_at"), 0.6 / 3.0 * (1.2 + 2.0 * 0.3) / (1.2 + 0.3), 1e-3);
+}
+
 TEST(PoreBoundary, ThroughAnOutletWaterOnlyLeaves) {
   Case scene = column(van_genuchten(0.05, 0.4, 3.5, 2.8, 1e-3), 1.0, dx, 1e5);
   WaterFace drain;

@@ -399,8 +399,9 @@ TEST(Frame, ShowsTheDocumentedFields) {
     EXPECT_FALSE(f.unit.empty());
   }
   EXPECT_EQ(names, (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure",
-                                             "void_fraction", "degree_of_saturation", "accumulated_plastic_strain",
-                                             "mobilised_friction", "pore_pressure_ratio", "volume"}));
+                                             "water_force", "void_fraction", "degree_of_saturation", "coverage",
+                                             "accumulated_plastic_strain", "mobilised_friction", "pore_pressure_ratio",
+                                             "volume"}));
 }
 
 // Elastic soil that has settled under its weight is published in its position as the case draws it, unless it can flow;

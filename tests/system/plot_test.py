@@ -378,6 +378,17 @@ class Report(Folder):
         self.assertNotIn('src="http', page)
         self.assertGreaterEqual(page.count("data:image/"), 6)
 
+    def test_it_shows_the_factors_that_were_found_after_the_run(self):
+        (self.run_folder / "safety").mkdir()
+        write_phase(self.run_folder / "safety" / "solid.vtkhdf", [(0.0, square()), (172800.0, square())], [("failing_strain", "1", lambda t, x: x[:, 0])])
+        columns = "frame,time_s,factor,error,stands,fails,soil,face,share,volume,x_m,y_m,z_m,towards_x,towards_y,towards_z"
+        (self.run_folder / "safety" / "safety.csv").write_text(
+            f"{columns}\n0,0,inf,inf,100,inf,,,,,,,,,,\n2,172800,1.125,0.01,1.115,1.135,sand & gravel,reservoir,0.8,0.1,0.3,0.2,0,0.9,-0.4,0\n")
+        page = self.made()
+        self.assertRegex(page, '<td>poretwin safety</td><td class="number">1.125</td><td class="number">0.01</td><td>2 days</td>')
+        self.assertRegex(page, "<td>sand &amp; gravel</td><td>reservoir</td><td>80 %</td>")
+        self.assertIn("What fails at 2 days", page)
+
     def test_a_case_that_has_changed_since_is_not_shown(self):
         self.case.write_text(SLOPE.replace("0.4", "0.5"))
         page = self.made()

@@ -1,5 +1,6 @@
 // The real `poretwin` with the real processes on a short part of a real case: the files of a run, and its exit when
 // input, partners or machine are faulty.
+#include "common/core/file_lock.hpp"
 #include "tests/system/real_run.hpp"
 
 #include <algorithm>
@@ -189,6 +190,94 @@ TEST_F(RealRun, SafetyBracketsTheFactorAndListsItsTrials) {
   EXPECT_LT(told["stands"], told["fails"]);
   EXPECT_THAT(text_of(out() / "safety.csv"), HasSubstr("1,1,"));
   EXPECT_TRUE(fs::exists(out() / "F_1.0000" / "run.toml"));
+}
+
+/// A dam whose reservoir is filled, coarse, with readings of its factor of safety and frames every 432000 s.
+class SafetyOfARun : public RealRun {
+ protected:
+  void SetUp() override {
+    RealRun::SetUp();
+    fs::copy_file(fs::path(PORETWIN_SOURCE_DIR) / "cases" / "rapid_drawdown" / "case.toml", folder_ / "dam.toml");
+    const auto outcome = poretwin({"run", (folder_ / "dam.toml").string(), "--out", out().string(), "--until", "864000",
+                                   "--set", "fluid.particle_spacing=1", "--set", "gauge.0.every=432000", "--set",
+                                   "output.interval=432000", "--no-pictures", "--quiet"});
+    ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  }
+  Outcome safety(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"safety", out().string(), "--no-pictures"});
+    return poretwin(more);
+  }
+};
+
+TEST_F(SafetyOfARun, IsWhatItsGaugeRead) {
+  const auto outcome = safety({"--every", "432000", "--json", (folder_ / "safety.json").string()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("dam fails at '"));
+  EXPECT_THAT(outcome.out, HasSubstr("least factor of safety 1."));
+  const auto gauge = read_gauges(out() / "gauges.csv");
+  const auto found = read_gauges(out() / "safety" / "gauges.csv");
+  EXPECT_EQ(found.at("factor_of_safety").time, gauge.at("F").time);
+  EXPECT_EQ(found.at("factor_of_safety").value, gauge.at("F").value);
+  EXPECT_EQ(found.at("factor_of_safety_error").value, gauge.at("F_error").value);
+  const auto told = nlohmann::json::parse(text_of(folder_ / "safety.json"));
+  ASSERT_EQ(told["instants"].size(), 3U);
+  EXPECT_NEAR(told["instants"][2]["factor"], gauge.at("F").value.back(), 1e-7);
+  EXPECT_EQ(told["instants"][2]["failing"]["soil"], "dam");
+  // Filled to eight of ten metres, the dam fails on the dry side.
+  EXPECT_EQ(told["instants"][2]["failing"]["face"], "downstream slope");
+  EXPECT_GT(told["instants"][2]["failing"]["towards"][0], 0.5);
+  EXPECT_THAT(text_of(out() / "safety" / "safety.csv"), HasSubstr("\n2,864000,"));
+  EXPECT_EQ(steps_in(out() / "safety" / "solid.vtkhdf").size(), 3U);
+}
+
+TEST_F(SafetyOfARun, TakesTheNearestFrameAndSaysSo) {
+  const auto nearest = safety({"--at", "436000", "--tolerance", "0.2", "--out", (folder_ / "elsewhere").string()});
+  EXPECT_EQ(nearest.exit, 0) << nearest.err;
+  EXPECT_THAT(nearest.err, HasSubstr("no frame at 436000 s: the nearest is taken, at 432000 s"));
+  EXPECT_THAT(nearest.out, HasSubstr("t = 432000"));
+  const auto last = safety({"--tolerance", "0.2"});
+  EXPECT_EQ(last.exit, 0) << last.err;
+  EXPECT_THAT(last.out, HasSubstr("t = 864000"));
+  EXPECT_THAT(last.out, HasSubstr("; 1 instant"));
+}
+
+TEST_F(SafetyOfARun, IsRefusedWithTheReason) {
+  auto refused = safety({"--at", "432000,900000"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--at: expected times from 0 to 864000 s"));
+  EXPECT_THAT(refused.err, HasSubstr("found 900000"));
+  refused = safety({"--set", "soil.0.cohesion=0"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--set: the soil is that of the run"));
+  refused = safety({"--out", out().string()});
+  EXPECT_EQ(refused.exit, 5);
+  EXPECT_THAT(refused.err, HasSubstr("expected a folder that is not a run's"));
+  EXPECT_FALSE(read_gauges(out() / "gauges.csv").empty());
+  {
+    const FileLock run(out() / "run.lock", "a test", FileLock::Inherited::no);
+    run.sign("a run");
+    refused = safety({});
+    EXPECT_EQ(refused.exit, 5);
+    EXPECT_THAT(refused.err, HasSubstr("a run writes into this folder"));
+  }
+  fs::remove(out() / "solid.vtkhdf");
+  refused = safety({});
+  EXPECT_EQ(refused.exit, 5);
+  EXPECT_THAT(refused.err, HasSubstr("solid.vtkhdf: expected the frames of the soil"));
+  std::ofstream(folder_ / "dam.toml", std::ios::app) << "# changed\n";
+  refused = safety({});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("the case has changed since the run"));
+}
+
+TEST_F(RealRun, SafetyOfARunNeedsSoilThatCanFailAndARun) {
+  auto refused = poretwin({"safety", terzaghi().string(), "--at", "1"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--at, --every: expected the folder of a run that has ended"));
+  ASSERT_EQ(poretwin(arguments(terzaghi(), {"--until", "0.001"})).exit, 0);
+  refused = poretwin({"safety", out().string()});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("a factor of safety needs soil that can fail"));
 }
 
 }  // namespace
