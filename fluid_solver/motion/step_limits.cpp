@@ -78,7 +78,7 @@ bool load_begins(const Setup<D>& setup, double time) {
   });
 }
 
-/// The shortest window that a change of pressure can require is twice the time in which the soil's waves pass a
+/// The shortest window that a change of pressure can require is half the time in which the soil's waves pass a
 /// spacing.
 ///
 /// In elastic soil that is wet from the start, the first window is a fifth of the time in which a spacing drains, where
