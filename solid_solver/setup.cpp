@@ -58,7 +58,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   using Kind = typename Boundaries<D>::Kind;
   const auto& planes = setup.boundaries.planes;
   const auto& kinds = setup.boundaries.kinds;
-  bool plain = !scene.coupled() && scene.loads.empty();
+  bool plain = !scene.coupled() && scene.loads.empty() && !setup.boundaries.surfaces;
   for (std::size_t k = 0; k < planes.size(); ++k)
     plain = plain && (kinds[k] == Kind::periodic ||
                       (kinds[k] == Kind::roller && std::abs(planes[k].normal.dot(upwards(setup))) < 1e-9));

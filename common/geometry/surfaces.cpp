@@ -133,9 +133,10 @@ bool Surfaces::is_cut_off(const Vec<3>& from, const Vec<3>& image, double distan
   return found;
 }
 
-sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) const {
+sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range, std::vector<WallPoints>* mirrors) const {
   const std::size_t parts = std::max<std::size_t>(1, points.size() / 1024);
   std::vector<sph::Images<3>> made(parts);
+  std::vector<std::vector<WallPoints>> by(parts);
   for_each_part(parts, [&](std::size_t part) {
     auto& images = made[part];
     for (std::size_t b = points.size() * part / parts; b < points.size() * (part + 1) / parts; ++b) {
@@ -144,7 +145,7 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) co
         Vec<3> y = points[b];
         Mat<3> map = Mat<3>::Identity();
         std::uint32_t boundaries = 0;
-        std::size_t mirrors = 0;
+        WallPoints passed;
         bool narrow = true;
         for (std::size_t i = 0; i < walls.size; ++i) {
           if ((set >> i & 1u) == 0) continue;
@@ -154,20 +155,25 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) co
           y = mirrored(y, wall);
           map -= 2.0 * wall.normal * (wall.normal.transpose() * map).eval();
           boundaries |= 1u << wall.boundary;
-          ++mirrors;
+          passed.point[passed.size++] = wall;
         }
-        if (!narrow || (mirrors > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm())) continue;
+        if (!narrow || (passed.size > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm())) continue;
         images.position.push_back(y);
         images.parent.push_back(static_cast<Index>(b));
         images.map.push_back(map);
         images.carried.push_back(Vec<3>::Zero());
         images.boundaries.push_back(boundaries);
+        if (mirrors) by[part].push_back(passed);
       }
     }
   });
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  if (mirrors) {
+    mirrors->clear();
+    for (const auto& some : by) append(*mirrors, some);
+  }
   sph::Images<3> all = std::move(made[0]);
   for (std::size_t part = 1; part < parts; ++part) {
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(all.position, made[part].position);
     append(all.parent, made[part].parent);
     append(all.map, made[part].map);
@@ -175,6 +181,15 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) co
     append(all.boundaries, made[part].boundaries);
   }
   return all;
+}
+
+bool Surfaces::come_near(const Vec<3>& x, double range) const {
+  return std::ranges::any_of(planes_, [&](const Plane& p) { return std::abs(p.normal.dot(x - p.point)) < range; }) ||
+         std::ranges::any_of(bodies_, [&](const Body& body) {
+           return std::ranges::any_of(body.solid->parts(), [&](const Solid::Part& part) {
+             return part.mesh.nearest(x, range).has_value();
+           });
+         });
 }
 
 bool Surfaces::holds(const Vec<3>& x) const {

@@ -34,11 +34,16 @@ class Surfaces {
   [[nodiscard]] WallPoints walls_near(const Vec<3>& x, double range) const;
 
   /// Images of points by the walls within a range [m] of them. An image is seen by points on its original's side of the
-  /// plane midway only (`sees`).
-  [[nodiscard]] sph::Images<3> images(std::span<const Vec<3>> points, double range) const;
-  static bool sees(const Vec<3>& from, const Vec<3>& original, const Vec<3>& image) {
+  /// plane midway only (`sees`). mirrors: where given, it is filled with the wall points by which each image was made.
+  [[nodiscard]] sph::Images<3> images(std::span<const Vec<3>> points, double range,
+                                      std::vector<WallPoints>* mirrors = nullptr) const;
+  template <int D>
+  static bool sees(const Vec<D>& from, const Vec<D>& original, const Vec<D>& image) {
     return (original - image).dot(2.0 * from - original - image) > 0.0;
   }
+
+  /// Does a wall come nearer to x than the range [m]?
+  [[nodiscard]] bool come_near(const Vec<3>& x, double range) const;
 
   /// Is x in the domain: before all planes, in all containers and in no obstacle?
   [[nodiscard]] bool holds(const Vec<3>& x) const;

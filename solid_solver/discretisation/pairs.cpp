@@ -75,7 +75,7 @@ void append(const Rows& rows, std::size_t row, std::size_t count, Pairs& pairs) 
 
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, std::span<const char> asleep, Pairs& pairs) {
+             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs) {
   sph::CellGrid<D> particles, images;
   particles.build(positions.first(n_real), range);
   images.build(positions.subspan(n_real), range);
@@ -98,7 +98,13 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   };
   auto append_images = [&](std::size_t i, std::vector<Index> & index) __attribute__((always_inline)) {
     const std::size_t begin = index.size();
-    images.append_within(positions[i], range, index, from(0));
+    if (originals.empty())
+      images.append_within(positions[i], range, index, from(0));
+    else
+      images.append_within(positions[i], range, index, [&](Index m, double) {
+        const Vec<D>&original = positions[originals[m]], &image = positions[n_real + m];
+        return (original - image).dot(2.0 * positions[i] - original - image) > 0.0;
+      });
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
   // A pair of a moving and a still particle (fixed or asleep) stands in the row of the moving one.
@@ -180,8 +186,8 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
 }
 
 template void pair_up<2>(std::span<const Vec<2>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
-                         Pairs&);
+                         std::span<const Index>, Pairs&);
 template void pair_up<3>(std::span<const Vec<3>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
-                         Pairs&);
+                         std::span<const Index>, Pairs&);
 
 }  // namespace poretwin::solid

@@ -59,9 +59,10 @@ void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
 /// Lists the pairs closer than range [m] among the first n_real positions, which are particles, and with the rest,
 /// which are images. Particles from n_free on are fixed. The free ones i with asleep[i] != 0 sleep (asleep is empty
 /// where none does). Fixed particles without moving ones within range have empty rows; rows of such sleeping ones are
-/// marked as skipped. The rows are divided into n_parts parts of similar work.
+/// marked as skipped. The rows are divided into n_parts parts of similar work. originals: where not empty, the particle
+/// of each image; the image is then seen only from its original's side of the plane midway between the two.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, std::span<const char> asleep, Pairs& pairs);
+             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs);
 
 }  // namespace poretwin::solid

@@ -19,8 +19,7 @@ template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   Particles<D>& p = state.particles;
   wrap_periodic<D>(setup.boundaries, p.position);
-  for (std::size_t i = 0; i < p.free(); ++i)
-    sph::keep_inside<D>(setup.boundaries.planes, setup.spacing, p.position[i], p.velocity[i]);
+  keep_before_walls<D>(setup.boundaries, setup.spacing, state.near, p);
   build_neighbourhood<D>(setup.boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   state.rebuilds += 1.0;
   if (state.near.pairs.skipped.empty()) return;
