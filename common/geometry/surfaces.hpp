@@ -24,6 +24,9 @@ class Surfaces {
     Vec<3> at = Vec<3>::Zero(), normal = Vec<3>::Zero();  ///< m; unit, towards x
     double distance = 0.0;                                ///< m
     int boundary = 0;
+    Mat<3> bend = Mat<3>::Zero();  ///< 1/m, S, derivative of the normal along the wall; set by `images` on request
+    /// Lengths along the wall at the image of x over those at x: (1 - d S)(1 + d S)^-1 with the distance d.
+    [[nodiscard]] Mat<3> stretch() const;
   };
   struct WallPoints {
     std::array<WallPoint, 3> point;
@@ -34,7 +37,8 @@ class Surfaces {
   [[nodiscard]] WallPoints walls_near(const Vec<3>& x, double range) const;
 
   /// Images of points by the walls within a range [m] of them. An image is seen by points on its original's side of the
-  /// plane midway only (`sees`). mirrors: where given, it is filled with the wall points by which each image was made.
+  /// plane midway only (`sees`). mirrors: where given, it is filled with the wall points by which each image was made,
+  /// with the bend of the wall there.
   [[nodiscard]] sph::Images<3> images(std::span<const Vec<3>> points, double range,
                                       std::vector<WallPoints>* mirrors = nullptr) const;
   template <int D>
@@ -52,6 +56,9 @@ class Surfaces {
   void keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const;
 
  private:
+  /// The walls near one of the points, by its number.
+  using Found = std::vector<std::pair<Index, WallPoints>>;
+  static void find_bends(double range, std::vector<Found>& found);
   struct Body {
     std::shared_ptr<const Solid> solid;
     bool domain_inside;
@@ -85,5 +92,19 @@ struct ThinPlace {
 /// each other.
 inline constexpr double least_thickness = 2.6;
 std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing);
+
+/// Where a wall turns away from the soil by more than an image can follow, or is curved more strongly than images allow
+/// for.
+struct BentPlace {
+  Point3 at;            ///< m
+  double turn = 0.0;    ///< degrees, away from the domain; 0 where the wall is curved too strongly
+  double radius = 0.0;  ///< m, of the curvature
+};
+/// Largest angle [degrees] by which an edge may turn away from moving soil; beyond such edges there are no images.
+inline constexpr double most_turned_away = 25.0;
+/// Least radius of curvature of walls beside moving soil [spacings].
+inline constexpr double least_radius = 6.0;
+/// The first such place of a shape beside soil.
+std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing);
 
 }  // namespace poretwin

@@ -57,13 +57,13 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
 
 namespace {
 
-/// A wall behind which an image lies.
 template <int D>
-struct Passed {
-  typename Boundaries<D>::Kind kind;
-  double friction;
-  Vec<D> normal, point;  ///< unit, into the soil; a point of the wall [m]
-};
+typename Passed<D>::Kind kind_of(const Boundaries<D>& boundaries, std::size_t k) {
+  using Kind = typename Boundaries<D>::Kind;
+  return boundaries.kinds[k] == Kind::fixed        ? Passed<D>::Kind::fixed
+         : boundaries.kinds[k] == Kind::frictional ? Passed<D>::Kind::frictional
+                                                   : Passed<D>::Kind::roller;
+}
 
 /// The planes behind which an image lies, in the order of its reflections; periodic sides need no correction.
 template <int D>
@@ -72,7 +72,7 @@ void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::ve
   for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
     if ((numbers >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic)
       passed.push_back(
-          {boundaries.kinds[k], boundaries.friction[k], boundaries.planes[k].normal, boundaries.planes[k].point});
+          {kind_of(boundaries, k), boundaries.friction[k], boundaries.planes[k].normal, boundaries.planes[k].point});
 }
 
 /// The points of surfaces at which an image is reflected, in this order.
@@ -81,8 +81,9 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
   passed.clear();
   for (const auto& wall : mirrors.all()) {
     const auto k = static_cast<std::size_t>(wall.boundary);
-    passed.push_back({boundaries.kinds[k], boundaries.friction[k], wall.normal.template head<D>(),
-                      wall.at.template head<D>()});
+    passed.push_back({kind_of(boundaries, k), boundaries.friction[k], wall.normal.template head<D>(),
+                      wall.at.template head<D>(), wall.bend.template topLeftCorner<D, D>(),
+                      wall.stretch().template topLeftCorner<D, D>()});
   }
 }
 
@@ -90,11 +91,17 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
 /// walls reversed about the wall slip, v' = 2 s - v.
 template <int D>
 void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
-  using Kind = typename Boundaries<D>::Kind;
+  using Kind = typename Passed<D>::Kind;
   for (const auto& wall : passed) {
     const Vec<D>& n = wall.normal;
-    const Mat<D> reversed = wall.kind == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose())
-                                                      : Mat<D>(-Mat<D>::Identity());
+    const bool curved = !wall.bend.isZero(0.0);
+    Mat<D> reversed = wall.kind == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose())
+                                                : Mat<D>(-Mat<D>::Identity());
+    if (curved) {
+      if (wall.kind == Kind::roller) reversed = (wall.stretch - 2.0 * n * n.transpose()).eval();
+      rule.swelling *= wall.stretch.determinant();
+      rule.curved = true;
+    }
     rule.velocity = (reversed * rule.velocity).eval();
     rule.slip = (reversed * rule.slip).eval();
     if (wall.kind != Kind::frictional) continue;
@@ -105,7 +112,7 @@ void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
 
 template <int D>
 void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
-  using Kind = typename Boundaries<D>::Kind;
+  using Kind = typename Passed<D>::Kind;
   for (const auto& wall : passed) {
     if (rule.n_crossings == D) break;
     const Vec<D>& n = wall.normal;
@@ -118,7 +125,66 @@ void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
     if (wall.kind == Kind::roller) crossing.share = normal_part * crossing.share;
     if (wall.kind == Kind::frictional) crossing.friction = wall.friction;
+    crossing.bend = wall.bend;
+    crossing.slides = wall.kind == Kind::roller;
   }
+}
+
+/// Force per volume [N/m3] of stress that follows a curved wall unchanged: the divergence of a stress s whose components
+/// along the wall and across it are the same all along the wall.
+template <int D>
+Vec<D> bent_stress(const Crossing<D>& wall, const Mat<D>& s) {
+  const Vec<D> pull = s * wall.normal;
+  const double across = wall.normal.dot(pull), bend = wall.bend.trace();
+  const Vec<D> along = pull - across * wall.normal;
+  return (across * bend - wall.bend.cwiseProduct(s).sum()) * wall.normal + bend * along + wall.bend * along;
+}
+
+/// Turns the reflections of an image behind curved walls with the motion of its parent at x [m] since the lists were
+/// built. The normal at x is the gradient of the distance from the wall, whose second derivative is S (1 + d S)^-1.
+template <int D>
+void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<D>& rule) {
+  std::array<Passed<D>, D> walls = behind.walls;
+  Vec<D> image = x;
+  const Index parent = rule.parent;
+  const double swelling = rule.swelling;
+  rule = {};
+  rule.parent = parent;
+  for (std::size_t k = 0; k < behind.size; ++k) {
+    Passed<D>& wall = walls[k];
+    if (!wall.bend.isZero(0.0)) {
+      const Vec<D> moved = x - wall.from;
+      const double at_first = wall.normal.dot(wall.from - wall.point);
+      const Vec<D> turned = 0.5 * (wall.bend + wall.stretch * wall.bend) * moved;
+      const double distance = at_first + wall.normal.dot(moved) + 0.5 * moved.dot(turned);
+      wall.normal = (wall.normal + turned).normalized();
+      wall.point = x - distance * wall.normal;
+    }
+    const Vec<D>& n = wall.normal;
+    image -= 2.0 * n.dot(image - wall.point) * n;
+    rule.map -= 2.0 * n * (n.transpose() * rule.map).eval();
+  }
+  rule.shift = image - rule.map * x;
+  const auto passed = std::span<const Passed<D>>(walls).first(behind.size);
+  find_velocity_maps<D>(passed, rule);
+  find_crossings<D>(passed, rule);
+  rule.swelling = swelling;
+}
+
+/// What an image behind curved walls has besides its mirrored values. The frame along a wall turns with it, so that soil
+/// that moves along it with the velocity v turns, too: by bend v n^T - n (bend v)^T, the same on both sides of the wall.
+template <int D>
+void bend_image(const Particles<D>& p, const ImageRule<D>& rule, Node<D>& node) {
+  node.volume *= rule.swelling;
+  for (std::size_t c = 0; c < rule.n_crossings; ++c) {
+    const Crossing<D>& wall = rule.crossings[c];
+    if (!wall.slides) continue;
+    const Mat<D> others = rule.map * (Mat<D>::Identity() - 2.0 * wall.normal * wall.normal.transpose());
+    const Vec<D> turning = 2.0 * wall.bend * p.velocity[rule.parent];
+    node.gradient += others * (turning * wall.normal.transpose() - wall.normal * turning.transpose()) * others.transpose();
+  }
+  // The soil may have come along the wall from where its normal was another, so that its displacement has no mirror.
+  node.hourglass_level = Node<D>::flows;
 }
 
 }  // namespace
@@ -168,6 +234,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
     images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
                                  std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
   near.images.assign(images.size(), {});
+  near.behind_curved.clear();
   VecArray<D> sources = particles.position;
   sources.insert(sources.end(), images.position.begin(), images.position.end());
   std::vector<Passed<D>> passed;
@@ -183,9 +250,17 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
     find_velocity_maps<D>(passed, rule);
     find_crossings<D>(passed, rule);
     rule.periodic = passed.empty();
+    if (!rule.curved) continue;
+    BehindCurved<D>& behind = near.behind_curved.emplace_back();
+    behind.image = static_cast<Index>(k);
+    for (Passed<D>& wall : passed) {
+      wall.from = particles.position[rule.parent];
+      behind.walls[behind.size++] = wall;
+    }
   }
   const std::span<const Index> halved = boundaries.surfaces ? std::span<const Index>(images.parent) : std::span<const Index>();
   pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, halved, near.pairs);
+  if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
 }
 
 template <int D>
@@ -213,6 +288,10 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
                                                                : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
+  parallel_for(near.behind_curved.size(), [&](std::size_t k) {
+    ImageRule<D>& rule = near.images[near.behind_curved[k].image];
+    turn_with_parent<D>(p.position[rule.parent], near.behind_curved[k], rule);
+  });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     ImageRule<D>& rule = near.images[k];
     Node<D>& node = nodes[n + k];
@@ -222,13 +301,19 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
     rule.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
     node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
-    node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    if (near.views.offset.empty())
+      node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    else
+      node.flux.setZero();  // the parent bears it: see pull_back
+    if (rule.curved) bend_image<D>(p, rule, node);
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
       Vec<D> slope = body[rule.parent];
       if (std::isfinite(wall.friction)) slope += p.wall_slope[rule.parent];
+      if (rule.curved && (std::isinf(wall.friction) || p.wall_slope[rule.parent].isZero(0.0)))
+        slope += bent_stress<D>(wall, matrix_of<D>(p.stress[rule.parent]));
       const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, slope);
       node.flux += 2.0 * reach * (wall.share * slope) * row.transpose();
       if (std::isinf(wall.friction)) continue;
@@ -238,7 +323,7 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       // Slipping soil is mirrored along the wall as at a roller, so that only friction resists soil that spreads on the
       // wall.
       const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
-      node.flux += rule.slip * nodes[rule.parent].flux * along;
+      if (near.views.offset.empty()) node.flux += rule.slip * nodes[rule.parent].flux * along;
       node.gradient += rule.slip * nodes[rule.parent].gradient * along;
       node.deformation += rule.slip * nodes[rule.parent].deformation * along;
     }

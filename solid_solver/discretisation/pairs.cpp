@@ -73,6 +73,25 @@ void append(const Rows& rows, std::size_t row, std::size_t count, Pairs& pairs) 
 
 }  // namespace
 
+void list_views(const Pairs& pairs, std::span<const Index> parents, Views& views) {
+  const std::size_t n = pairs.size();
+  const auto for_each_view = [&](const auto& visit) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m)
+        if (pairs.index[m] >= n) visit(pairs.index[m] - n, Views::View{static_cast<Index>(i), static_cast<Index>(m)});
+  };
+  views.offset.assign(parents.size() + 1, 0);
+  for_each_view([&](std::size_t k, Views::View) { ++views.offset[k + 1]; });
+  for (std::size_t k = 0; k < parents.size(); ++k) views.offset[k + 1] += views.offset[k];
+  views.view.resize(views.offset.back());
+  std::vector<Index> next(views.offset.begin(), views.offset.end() - 1);
+  for_each_view([&](std::size_t k, Views::View view) { views.view[next[k]++] = view; });
+  views.first.clear();
+  for (std::size_t k = 0; k < parents.size(); ++k)
+    if (k == 0 || parents[k] != parents[k - 1]) views.first.push_back(static_cast<Index>(k));
+  views.first.push_back(static_cast<Index>(parents.size()));
+}
+
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
              std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs) {

@@ -24,6 +24,20 @@ struct Pairs {
   [[nodiscard]] std::size_t n_parts() const { return part.size() - 1; }
 };
 
+/// Which particles have images in their rows, in the order of the images: of image k the views view[offset[k]] ..
+/// view[offset[k + 1] - 1]. The images of one parent follow each other; parent p's are first[p] .. first[p + 1] - 1,
+/// where p counts only particles that have any. Empty where images are symmetric in pairs, as behind planes.
+struct Views {
+  struct View {
+    Index row, pair;  ///< particle, and index of the pair in the list
+  };
+  std::vector<Index> offset, first;
+  std::vector<View> view;
+};
+
+/// Lists the views of images whose parents are given, in ascending order.
+void list_views(const Pairs& pairs, std::span<const Index> parents, Views& views);
+
 /// Calls visit(i) for the rows from `first` to `last` - 1 that are not skipped, with the parts in parallel.
 template <class Visit>
 void for_rows(const Pairs& pairs, std::size_t first, std::size_t last, Visit&& visit) {

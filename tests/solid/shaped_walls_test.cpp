@@ -154,12 +154,18 @@ TEST(ShapedWalls, LetABlockSlide) {
       BoxSpec spec;
       spec.room = Point3(4.0, 4.0, 4.0);
       spec.corner = Point3(1.0, 1.0, 0.0);
-      spec.soil = Point3(0.4, 0.4, 0.2);
+      spec.soil = Point3(0.6, 0.4, getenv("HH") ? atof(getenv("HH")) : 0.2);
       spec.placement = {1.0, 30.0, Point3(0.0, 1.0, 0.0), Point3(0.3, -0.2, 0.1)};
       spec.kind = friction > 0.0 ? Wall::ForSoil::frictional : Wall::ForSoil::roller;
       spec.friction_angle = friction;
       Case scene = box(spec, drawn);
       scene.solid.initial_rest = false;
+      if (getenv("DP")) {
+        scene.solid.model = SolidCase::Model::drucker_prager;
+        scene.soils[0].friction_angle = 31.0;
+        scene.soils[0].cohesion = atof(getenv("DP"));
+      }
+      if (getenv("AV")) scene.solid.artificial_viscosity = atof(getenv("AV"));
       auto [setup, state] = laid(scene);
       Drive<3> drive;
       double time = 0.0;
