@@ -296,6 +296,17 @@ class Checker : Complaints {
         return away > -0.5 * spacing && away < spacing && along > -spacing && along < length + spacing;
       });
     };
+    if (wall.shape) {
+      Surfaces surfaces;
+      surfaces.add(wall.shape->solid, wall.domain == Wall::Domain::inside, 0);
+      return std::ranges::any_of(points, [&](const Point3& x) {
+        const auto around = surfaces.walls_near(x, spacing);
+        return std::ranges::any_of(around.all(), [&](const Surfaces::WallPoint& point) {
+          const double facing = point.normal.dot(down);
+          return wall.soil == Wall::ForSoil::fixed ? facing <= 1e-6 : facing <= -1e-6;
+        });
+      });
+    }
     const Face& f = wall.face;
     if (f.points.empty()) return near(f.point, f.normal.normalized(), Point3::Zero(), 1.0);
     for (std::size_t i = 0; i + 1 < f.points.size(); ++i) {
