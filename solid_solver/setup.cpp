@@ -328,6 +328,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   }
   setup.stabilisers.sound_speed = fastest;
   setup.boundaries = make_boundaries<D>(scene, setup.range());
+  if (setup.boundaries.surfaces) setup.quiet.regions = 0.0;  // their parents' forces need all rows
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // Waves that these longer substeps resolve poorly disturb the flow and reduce its friction.
   if (setup.soft_edges) setup.stabilisers.bulk = points::bulk_viscosity * fastest * setup.spacing;

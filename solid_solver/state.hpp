@@ -123,7 +123,6 @@ struct Crossing {
   double friction = std::numeric_limits<double>::infinity();  ///< Coulomb's friction coefficient; infinite where
                                                               ///< nothing slips
   Mat<D> bend = Mat<D>::Zero();  ///< 1/m, derivative of the normal along a curved wall (docs/theory/walls.md)
-  bool slides = false;           ///< a roller: soil moves along the wall freely
 };
 
 /// A wall behind which an image lies, as its parent saw it when the lists were built.

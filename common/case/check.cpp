@@ -636,7 +636,7 @@ class Checker : Complaints {
       if (!wall.shape) continue;
       const std::string key = fmt::format("wall[{}]", i);
       const auto no = [&](bool there, const std::string& what) {
-        if (there) fail(key + ".shape", "a wall with a shape does not go with " + what);
+        if (there) fail(key + ".shape", "a wall with a shape needs 3D, and neither periodic sides nor a [[water_face]]; found " + what);
       };
       no(scene_.general.dimension != 3, "dimension = 2; expected a wall by 'points'");
       no(!scene_.general.periodic.empty(), "periodic sides; expected none");
@@ -666,10 +666,27 @@ class Checker : Complaints {
       fail(key + ".shape", fmt::format("is {:.4g} m thick at {} m: soil on its two sides would interact through it; "
                                        "expected {:.3g} m or more, {:g} particle spacings",
                                        thin->thickness, shown(thin->at), least_thickness * dx, least_thickness));
-    if (const auto bent = bent_place(*wall.shape, wall.domain, dx)) {
+    // Soil comes neither behind other walls nor above the highest soil at first.
+    const Point3 up = -scene_.general.gravity.normalized();
+    double top = -HUGE_VAL;
+    for (const Soil& soil : scene_.soils)
+      for (const auto& x : lattice(soil.shape, dx, scene_.solid.offset)) top = std::max(top, up.dot(x) + dx);
+    Surfaces others;
+    for (const Wall& other : scene_.walls) {
+      if (&other == &wall || other.soil == Wall::ForSoil::none) continue;
+      if (other.shape)
+        others.add(other.shape->solid, other.domain == Wall::Domain::inside, 0);
+      else
+        others.add(other.face.point, other.face.normal.normalized(), 0);
+    }
+    const auto in_reach = [&](const Point3& x) {
+      return (up.isZero() || up.dot(x) < top + least_thickness * dx) && others.holds(x);
+    };
+    if (const auto bent = bent_place(*wall.shape, wall.domain, dx, in_reach)) {
       if (bent->turn > 0.0)
         fail(key + ".shape", fmt::format("has an edge at {} m that turns away from the soil by {:.3g} degrees, behind which "
-                                         "moving soil has no images; expected {:g} degrees at most",
+                                         "moving soil has no images; expected {:g} degrees at most, or soil = \"none\" "
+                                         "for a wall that no soil reaches",
                                          shown(bent->at), bent->turn, most_turned_away));
       fail(key + ".shape",
            fmt::format("has a radius of curvature of {:.4g} m at {} m; expected {:.4g} m or more beside moving soil, {:g} "

@@ -286,7 +286,9 @@ void Surfaces::keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>
   v.setZero();
 }
 
-std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing) {
+std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing,
+                                    const std::function<bool(const Point3&)>& in_reach) {
+  constexpr double most_samples = 100.0;
   constexpr double degrees = 180.0 / std::numbers::pi;
   constexpr double corner = 45.0;    // degrees: two walls, not one curved one (one_wall)
   constexpr double smallest = 1e-3;  // radians; smaller turns are rounding
@@ -308,11 +310,16 @@ std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, dou
         const Point3 &a = points[i], &b = points[j];
         const Point3 n = side * part.mesh.normal(f), m = side * part.mesh.normal(other.facet);
         const double turn = std::atan2(n.cross(m).norm(), n.dot(m));
-        const Point3 at = 0.5 * (a + b);
-        // Parts of the surface that other parts cut away do not count.
-        if (turn < smallest || (parts.size() > 1 && !shape.solid->contains(at) &&
-                                shape.solid->depth(at, spacing) < -1e-3 * spacing))
-          continue;
+        if (turn < smallest) continue;
+        Point3 at = Point3::Zero();
+        bool counts = false;
+        const int samples = static_cast<int>(std::clamp((b - a).norm() / spacing, 1.0, most_samples));
+        for (int k = 0; k < samples && !counts; ++k) {
+          at = a + (k + 0.5) / samples * (b - a);
+          // Parts of the surface that other parts cut away do not count.
+          counts = in_reach(at) && (parts.size() == 1 || shape.solid->depth(at, spacing) > -1e-3 * spacing);
+        }
+        if (!counts) continue;
         const bool away = n.dot(points[other.opposite] - a) < 0.0;
         if (away && turn * degrees > most_turned_away) return BentPlace{at, turn * degrees, 0.0};
         if (turn * degrees > corner) continue;

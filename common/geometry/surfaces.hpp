@@ -5,6 +5,7 @@
 #include "common/geometry/solid.hpp"
 #include "common/particles/images.hpp"
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -104,7 +105,8 @@ struct BentPlace {
 inline constexpr double most_turned_away = 25.0;
 /// Least radius of curvature of walls beside moving soil [spacings].
 inline constexpr double least_radius = 6.0;
-/// The first such place of a shape beside soil.
-std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing);
+/// The first such place of a shape beside soil, among those that the soil can reach.
+std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing,
+                                    const std::function<bool(const Point3&)>& in_reach);
 
 }  // namespace poretwin

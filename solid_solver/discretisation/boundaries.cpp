@@ -126,7 +126,6 @@ void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
     if (wall.kind == Kind::roller) crossing.share = normal_part * crossing.share;
     if (wall.kind == Kind::frictional) crossing.friction = wall.friction;
     crossing.bend = wall.bend;
-    crossing.slides = wall.kind == Kind::roller;
   }
 }
 
@@ -169,22 +168,6 @@ void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<
   find_velocity_maps<D>(passed, rule);
   find_crossings<D>(passed, rule);
   rule.swelling = swelling;
-}
-
-/// What an image behind curved walls has besides its mirrored values. The frame along a wall turns with it, so that soil
-/// that moves along it with the velocity v turns, too: by bend v n^T - n (bend v)^T, the same on both sides of the wall.
-template <int D>
-void bend_image(const Particles<D>& p, const ImageRule<D>& rule, Node<D>& node) {
-  node.volume *= rule.swelling;
-  for (std::size_t c = 0; c < rule.n_crossings; ++c) {
-    const Crossing<D>& wall = rule.crossings[c];
-    if (!wall.slides) continue;
-    const Mat<D> others = rule.map * (Mat<D>::Identity() - 2.0 * wall.normal * wall.normal.transpose());
-    const Vec<D> turning = 2.0 * wall.bend * p.velocity[rule.parent];
-    node.gradient += others * (turning * wall.normal.transpose() - wall.normal * turning.transpose()) * others.transpose();
-  }
-  // The soil may have come along the wall from where its normal was another, so that its displacement has no mirror.
-  node.hourglass_level = Node<D>::flows;
 }
 
 }  // namespace
@@ -258,8 +241,9 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
       behind.walls[behind.size++] = wall;
     }
   }
-  const std::span<const Index> halved = boundaries.surfaces ? std::span<const Index>(images.parent) : std::span<const Index>();
-  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, halved, near.pairs);
+  std::span<const Index> originals;
+  if (boundaries.surfaces) originals = images.parent;
+  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs);
   if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
 }
 
@@ -305,7 +289,12 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
     else
       node.flux.setZero();  // the parent bears it: see pull_back
-    if (rule.curved) bend_image<D>(p, rule, node);
+    if (rule.curved) {
+      node.volume *= rule.swelling;
+      // No hourglass control: the soil may have come along the wall from where its normal was another, so that its
+      // displacement has no mirror, and the rotation of soil that follows the wall is none either.
+      node.hourglass_level = Node<D>::flows;
+    }
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;

@@ -51,8 +51,8 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
                 state.nodes);
   internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
                     setup.stabilisers, state.kernel, state.force);
-  pull_back<D>(state.nodes, state.near, state.kernel, state.particles.slip, state.force);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
+  pull_back<D>(state.nodes, state.near, state.kernel, state.particles.slip, state.force);
   if (setup.stabilisers.artificial_stress > 0.0) {
     VecArray<D> repelling(n_free, Vec<D>::Zero());
     add_artificial_stress<D>(state, setup.stabilisers.artificial_stress, setup.spacing, setup.smoothing_length,
