@@ -689,7 +689,7 @@ class Checker : Complaints {
                                          "for a wall that no soil reaches",
                                          shown(bent->at), bent->turn, most_turned_away));
       fail(key + ".shape",
-           fmt::format("has a radius of curvature of {:.4g} m at {} m; expected {:.4g} m or more beside moving soil, {:g} "
+           fmt::format("has a radius of curvature of {:.3g} m at {} m; expected {:.3g} m or more beside moving soil, {:g} "
                        "particle spacings",
                        bent->radius, shown(bent->at), least_radius * dx, least_radius));
     }

@@ -19,7 +19,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 /// How far a facet may depart from the curved surface that it stands for, in spacings. Test: Solids.*.
-constexpr double sag = 1e-3;
+constexpr double sag = 1e-2;
 
 /// Sides of a regular polygon that stands for a circle.
 Index sides_for(double radius, double spacing) {

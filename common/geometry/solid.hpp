@@ -44,7 +44,7 @@ class Solid {
 };
 
 /// The surface of a shape in its final place, before other shapes cut it. Facets of curved surfaces depart from them by
-/// a thousandth of a spacing [m], and the enclosed volume is exact. read(file): the text of a file. Throws CaseError
+/// a hundredth of a spacing [m], and the enclosed volume is exact. read(file): the text of a file. Throws CaseError
 /// with what is wrong with the shape.
 Triangles surface_of(const Shape& shape, double spacing, const std::function<std::string(const std::string&)>& read);
 
