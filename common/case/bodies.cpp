@@ -16,7 +16,8 @@ class Bodies : Complaints {
   Bodies(Case& scene, const Places& places)
       : Complaints(scene, places), d_(scene.general.dimension), spacing_(finest_spacing(scene)) {}
 
-  /// always: also of a box or ball along the axes. facets: departure of facets from curved surfaces, over the usual one.
+  /// always: also of a box or ball along the axes. facets: departure of facets from curved surfaces, over the usual
+  /// one.
   void make(Shape& shape, const std::string& key, bool always = false, double facets = 1.0) const {
     if (d_ == 2) return place_in_plane(shape, key);
     const bool turned = shape.placement && shape.placement->turn != 0.0;

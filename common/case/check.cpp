@@ -636,7 +636,9 @@ class Checker : Complaints {
       if (!wall.shape) continue;
       const std::string key = fmt::format("wall[{}]", i);
       const auto no = [&](bool there, const std::string& what) {
-        if (there) fail(key + ".shape", "a wall with a shape needs 3D, and neither periodic sides nor a [[water_face]]; found " + what);
+        if (there)
+          fail(key + ".shape",
+               "a wall with a shape needs 3D, and neither periodic sides nor a [[water_face]]; found " + what);
       };
       no(scene_.general.dimension != 3, "dimension = 2; expected a wall by 'points'");
       no(!scene_.general.periodic.empty(), "periodic sides; expected none");
@@ -661,7 +663,8 @@ class Checker : Complaints {
     if (wall.soil == Wall::ForSoil::rough)
       fail(key + ".soil", "\"rough\" is for planes; expected \"roller\", \"fixed\" or \"frictional\" beside a shape");
     if (wall.domain == Wall::Domain::outside && wall.shape->solid->parts().size() > 1)
-      fail(key + ".shape", "an obstacle in moving soil may not be cut by others, since its edges turn away from the soil");
+      fail(key + ".shape",
+           "an obstacle in moving soil may not be cut by others, since its edges turn away from the soil");
     if (const auto thin = thin_place(*wall.shape, wall.domain, dx))
       fail(key + ".shape", fmt::format("is {:.4g} m thick at {} m: soil on its two sides would interact through it; "
                                        "expected {:.3g} m or more, {:g} particle spacings",
@@ -684,14 +687,16 @@ class Checker : Complaints {
     };
     if (const auto bent = bent_place(*wall.shape, wall.domain, dx, in_reach)) {
       if (bent->turn > 0.0)
-        fail(key + ".shape", fmt::format("has an edge at {} m that turns away from the soil by {:.3g} degrees, behind which "
-                                         "moving soil has no images; expected {:g} degrees at most, or soil = \"none\" "
-                                         "for a wall that no soil reaches",
-                                         shown(bent->at), bent->turn, most_turned_away));
+        fail(key + ".shape",
+             fmt::format("has an edge at {} m that turns away from the soil by {:.3g} degrees, behind which "
+                         "moving soil has no images; expected {:g} degrees at most, or soil = \"none\" "
+                         "for a wall that no soil reaches",
+                         shown(bent->at), bent->turn, most_turned_away));
       fail(key + ".shape",
-           fmt::format("has a radius of curvature of {:.3g} m at {} m; expected {:.3g} m or more beside moving soil, {:g} "
-                       "particle spacings",
-                       bent->radius, shown(bent->at), least_radius * dx, least_radius));
+           fmt::format(
+               "has a radius of curvature of {:.3g} m at {} m; expected {:.3g} m or more beside moving soil, {:g} "
+               "particle spacings",
+               bent->radius, shown(bent->at), least_radius * dx, least_radius));
     }
   }
 
@@ -723,17 +728,19 @@ class Checker : Complaints {
       for (const auto& x : lattice(shape, dx, scene_.solid.offset)) {
         const auto around = walls.walls_near(x, near * dx);
         if (!packed && around.size > 0 && around.point[0].distance < unpacked * dx)
-          fail(key, fmt::format("the rows of its particles meet {} at an angle, at {} m: stresses there would be wrong; "
-                                "expected a soil with the wall's shape, or cut by it ('within', 'without')",
-                                named("wall", static_cast<std::size_t>(around.point[0].boundary),
-                                      scene_.walls[static_cast<std::size_t>(around.point[0].boundary)].name),
-                                shown(x)));
+          fail(key,
+               fmt::format("the rows of its particles meet {} at an angle, at {} m: stresses there would be wrong; "
+                           "expected a soil with the wall's shape, or cut by it ('within', 'without')",
+                           named("wall", static_cast<std::size_t>(around.point[0].boundary),
+                                 scene_.walls[static_cast<std::size_t>(around.point[0].boundary)].name),
+                           shown(x)));
         for (std::size_t a = 0; a < around.size; ++a)
           for (std::size_t b = 0; b < a; ++b)
             if (around.point[a].normal.dot(around.point[b].normal) < sharp)
-              fail(key, fmt::format("lies at {} m between walls that meet at less than 60 degrees or are less than three "
-                                    "particle spacings apart: images beside walls with a shape would be wrong there",
-                                    shown(x)));
+              fail(key,
+                   fmt::format("lies at {} m between walls that meet at less than 60 degrees or are less than three "
+                               "particle spacings apart: images beside walls with a shape would be wrong there",
+                               shown(x)));
       }
     }
   }

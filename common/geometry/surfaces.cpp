@@ -26,8 +26,8 @@ constexpr double wide_corner = 0.26;
 constexpr double cut_off = 0.98;
 /// The bend of a wall is found from the wall points within this fraction of the range of images, some two spacings.
 constexpr double bend_reach = 0.75;
-/// Largest distance over the radius of curvature up to which images are stretched in proportion: the kernel's reach at a
-/// radius of five spacings.
+/// Largest distance over the radius of curvature up to which images are stretched in proportion: the kernel's reach at
+/// a radius of five spacings.
 constexpr double most_bent = 0.5;
 /// Weight on the bend itself, over the sum of the squares of the distances.
 constexpr double bend_damping = 1e-3;
@@ -190,7 +190,8 @@ void Surfaces::find_bends(double range, std::vector<Found>& found) {
     if (right.norm() <= slack * spread / range) return;  // flat
     moment.diagonal().head<3>().array() += bend_damping * spread;
     const Unknowns s = moment.ldlt().solve(right);
-    points[k]->bend = s[0] * u * u.transpose() + s[1] * (u * v.transpose() + v * u.transpose()) + s[2] * v * v.transpose();
+    points[k]->bend =
+        s[0] * u * u.transpose() + s[1] * (u * v.transpose() + v * u.transpose()) + s[2] * v * v.transpose();
     points[k]->normal = (n + s[3] * u + s[4] * v).normalized();
   });
 }
@@ -225,7 +226,8 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range, st
           boundaries |= 1u << wall.boundary;
           passed.point[passed.size++] = wall;
         }
-        if (!narrow || (passed.size > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm())) continue;
+        if (!narrow || (passed.size > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm()))
+          continue;
         images.position.push_back(y);
         images.parent.push_back(b);
         images.map.push_back(map);
@@ -253,9 +255,8 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range, st
 bool Surfaces::come_near(const Vec<3>& x, double range) const {
   return std::ranges::any_of(planes_, [&](const Plane& p) { return std::abs(p.normal.dot(x - p.point)) < range; }) ||
          std::ranges::any_of(bodies_, [&](const Body& body) {
-           return std::ranges::any_of(body.solid->parts(), [&](const Solid::Part& part) {
-             return part.mesh.nearest(x, range).has_value();
-           });
+           return std::ranges::any_of(body.solid->parts(),
+                                      [&](const Solid::Part& part) { return part.mesh.nearest(x, range).has_value(); });
          });
 }
 
@@ -329,7 +330,8 @@ std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, dou
           return u.dot(v) / u.cross(v).norm();
         };
         const double width = 0.5 * (b - a).norm() * (cotangent(points[opposite]) + cotangent(points[other.opposite]));
-        if (width > 0.0 && width < least_radius * spacing * turn * (1.0 - 1e-2)) return BentPlace{at, 0.0, width / turn};
+        if (width > 0.0 && width < least_radius * spacing * turn * (1.0 - 1e-2))
+          return BentPlace{at, 0.0, width / turn};
       }
   }
   return std::nullopt;

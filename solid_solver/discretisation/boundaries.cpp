@@ -95,8 +95,8 @@ void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
   for (const auto& wall : passed) {
     const Vec<D>& n = wall.normal;
     const bool curved = !wall.bend.isZero(0.0);
-    Mat<D> reversed = wall.kind == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose())
-                                                : Mat<D>(-Mat<D>::Identity());
+    Mat<D> reversed =
+        wall.kind == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose()) : Mat<D>(-Mat<D>::Identity());
     if (curved) {
       if (wall.kind == Kind::roller) reversed = (wall.stretch - 2.0 * n * n.transpose()).eval();
       rule.swelling *= wall.stretch.determinant();
@@ -129,8 +129,8 @@ void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
   }
 }
 
-/// Force per volume [N/m3] of stress that follows a curved wall unchanged: the divergence of a stress s whose components
-/// along the wall and across it are the same all along the wall.
+/// Force per volume [N/m3] of stress that follows a curved wall unchanged: the divergence of a stress s whose
+/// components along the wall and across it are the same all along the wall.
 template <int D>
 Vec<D> bent_stress(const Crossing<D>& wall, const Mat<D>& s) {
   const Vec<D> pull = s * wall.normal;

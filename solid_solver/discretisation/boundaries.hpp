@@ -1,5 +1,5 @@
-// Walls and periodic sides of the soil: planes and surfaces that make images, and the rules by which images follow their
-// parents.
+// Walls and periodic sides of the soil: planes and surfaces that make images, and the rules by which images follow
+// their parents.
 #pragma once
 
 #include "common/geometry/shapes.hpp"

@@ -352,15 +352,14 @@ void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, 
   });
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                   \
-  template void refit_deformation<D>(const Particles<D>&, const Neighbourhood<D>&, double,                        \
-                                     std::vector<Node<D>>&);                                                      \
-  template void pull_back<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const Kernels&,                \
-                             const VecArray<D>&, std::vector<Force<D>>&);                                         \
-  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);               \
-  template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                        \
-  template VecArray<D> pressure_gradient_difference<D>(const State<D>&, std::span<const double>);                 \
-  template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size, \
+#define PORETWIN_INSTANTIATE(D)                                                                                        \
+  template void refit_deformation<D>(const Particles<D>&, const Neighbourhood<D>&, double, std::vector<Node<D>>&);     \
+  template void pull_back<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const Kernels&, const VecArray<D>&, \
+                             std::vector<Force<D>>&);                                                                  \
+  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);                    \
+  template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                             \
+  template VecArray<D> pressure_gradient_difference<D>(const State<D>&, std::span<const double>);                      \
+  template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size,      \
                                   double, const Stabilisers&, Kernels&, std::vector<Force<D>>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

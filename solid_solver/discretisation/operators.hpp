@@ -108,8 +108,8 @@ void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, 
                const VecArray<D>& slip, std::vector<Force<D>>& force);
 
 /// Sets the gradient of the displacement at particles with images behind curved walls anew, from the displacements of
-/// the particles around them alone, exact for linear fields. Integrated in time it would drift as soil slides along such
-/// walls, and with it the stiffness against hourglass modes.
+/// the particles around them alone, exact for linear fields. Integrated in time it would drift as soil slides along
+/// such walls, and with it the stiffness against hourglass modes.
 template <int D>
 void refit_deformation(const Particles<D>& particles, const Neighbourhood<D>& near, double h,
                        std::vector<Node<D>>& nodes);

@@ -91,7 +91,8 @@ void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit)
           state.regions.sleeps(image.parent))
         continue;
       const double distance = wall.normal.dot(state.nodes[image.parent].position) - wall.level;
-      if (distance >= 0.0 && distance < setup.spacing) visit(std::size_t{image.parent}, wall.friction, wall.normal, distance);
+      if (distance >= 0.0 && distance < setup.spacing)
+        visit(std::size_t{image.parent}, wall.friction, wall.normal, distance);
     }
     return;
   }
