@@ -716,8 +716,9 @@ class Checker : Complaints {
     }
     if (!any) return;
     const double dx = scene_.solid.particle_spacing;
-    // Cosines between the normals of walls at 60 degrees to each other, and of walls that face each other.
-    constexpr double sharp = -0.51, unpacked = 0.3, near = 1.5;
+    constexpr double sharp = -0.51;   // cosine between the normals of walls that meet at 60 degrees, less rounding
+    constexpr double unpacked = 0.3;  // spacings; a row along a wall, or packed particles, lie half a spacing off it
+    constexpr double near = 1.5;      // spacings; two rows: walls that both are near leave no room between them
     for (std::size_t s = 0; s < scene_.soils.size(); ++s) {
       const Shape& shape = scene_.soils[s].shape;
       const std::string key = fmt::format("soil[{}]", s);

@@ -24,12 +24,13 @@ constexpr double faces = 0.9;
 constexpr double wide_corner = 0.26;
 /// An image is dropped where another wall is nearer to it than this fraction of its distance from the mirror.
 constexpr double cut_off = 0.98;
-/// The bend of a wall is found from the wall points within this fraction of the range of images, some two spacings.
+/// The bend of a wall is found from the wall points within this fraction of the range of images: some two spacings, so
+/// that several facets take part. Test: SoilInShapedWalls.IsNotStrainedWhereItTurnsInACylinder (untried).
 constexpr double bend_reach = 0.75;
 /// Largest distance over the radius of curvature up to which images are stretched in proportion: the kernel's reach at
 /// a radius of five spacings.
 constexpr double most_bent = 0.5;
-/// Weight on the bend itself, over the sum of the squares of the distances.
+/// Weight on the bend itself, over the sum of the squares of the distances: small, since it lowers the bend by as much.
 constexpr double bend_damping = 1e-3;
 /// Rounding errors, over the distances that are compared.
 constexpr double slack = 1e-6;
@@ -324,14 +325,15 @@ std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, dou
         const bool away = n.dot(points[other.opposite] - a) < 0.0;
         if (away && turn * degrees > most_turned_away) return BentPlace{at, turn * degrees, 0.0};
         if (turn * degrees > corner) continue;
-        // The distance between the facets' circumcentres is that between the places to which their normals belong.
-        const auto cotangent = [&](const Point3& tip) {
-          const Point3 u = a - tip, v = b - tip;
-          return u.dot(v) / u.cross(v).norm();
-        };
-        const double width = 0.5 * (b - a).norm() * (cotangent(points[opposite]) + cotangent(points[other.opposite]));
-        if (width > 0.0 && width < least_radius * spacing * turn * (1.0 - 1e-2))
-          return BentPlace{at, 0.0, width / turn};
+        // The distance between the places to which the facets' normals belong: between their circumcentres, or, where
+        // those lie close to the edge, between their centroids.
+        const Point3& tip = points[opposite];
+        const Point3& other_tip = points[other.opposite];
+        const auto cotangent = [&](const Point3& x) { return (a - x).dot(b - x) / (a - x).cross(b - x).norm(); };
+        const auto height = [&](const Point3& x) { return (a - x).cross(b - x).norm() / (b - a).norm(); };
+        const double width = std::max(0.5 * (b - a).norm() * (cotangent(tip) + cotangent(other_tip)),
+                                      (height(tip) + height(other_tip)) / 3.0);
+        if (width < least_radius * spacing * turn * (1.0 - 1e-2)) return BentPlace{at, 0.0, width / turn};
       }
   }
   return std::nullopt;
