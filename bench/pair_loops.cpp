@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
   const solid::Pairs both = doubled(list);
   report("floor: list, four at a time", n_pairs, seconds([&] { lane_pass(points, both, h, sums); }), true);
   solid::Pairs half;
-  solid::pair_up<2>(x, x.size(), x.size(), 2.0 * h, 1, {}, half);
+  solid::pair_up<2>(x, x.size(), x.size(), 2.0 * h, 1, {}, {}, half);
   report("floor: half list, four at a time", n_pairs, seconds([&] { lane_pass(points, half, h, sums); }), true);
 
   // The water's loops, on its own smoothing length.
@@ -176,7 +176,7 @@ int main(int argc, char** argv) {
   const double soil_h = 1.2 * dx, range = 2.0 * soil_h + 0.2 * dx;
   solid::Neighbourhood<2> around;
   solid::Pairs& pairs = around.pairs;
-  const double pairing = seconds([&] { solid::pair_up<2>(x, x.size(), x.size(), range, 1, {}, pairs); });
+  const double pairing = seconds([&] { solid::pair_up<2>(x, x.size(), x.size(), range, 1, {}, {}, pairs); });
   double near = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i)
     for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)

@@ -58,7 +58,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   using Kind = typename Boundaries<D>::Kind;
   const auto& planes = setup.boundaries.planes;
   const auto& kinds = setup.boundaries.kinds;
-  bool plain = !scene.coupled() && scene.loads.empty();
+  bool plain = !scene.coupled() && scene.loads.empty() && !setup.boundaries.surfaces;
   for (std::size_t k = 0; k < planes.size(); ++k)
     plain = plain && (kinds[k] == Kind::periodic ||
                       (kinds[k] == Kind::roller && std::abs(planes[k].normal.dot(upwards(setup))) < 1e-9));
@@ -328,6 +328,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   }
   setup.stabilisers.sound_speed = fastest;
   setup.boundaries = make_boundaries<D>(scene, setup.range());
+  if (setup.boundaries.surfaces) setup.quiet.regions = 0.0;  // their parents' forces need all rows
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // Waves that these longer substeps resolve poorly disturb the flow and reduce its friction.
   if (setup.soft_edges) setup.stabilisers.bulk = points::bulk_viscosity * fastest * setup.spacing;

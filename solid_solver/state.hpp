@@ -122,6 +122,26 @@ struct Crossing {
                                    ///< its normal part (roller)
   double friction = std::numeric_limits<double>::infinity();  ///< Coulomb's friction coefficient; infinite where
                                                               ///< nothing slips
+  Mat<D> bend = Mat<D>::Zero();  ///< 1/m, derivative of the normal along a curved wall (docs/theory/walls.md)
+};
+
+/// A wall behind which an image lies, as its parent saw it when the lists were built.
+template <int D>
+struct Passed {
+  enum class Kind { roller, fixed, frictional };
+  Kind kind = Kind::roller;
+  double friction = 0.0;                                       ///< Coulomb's coefficient, of frictional walls
+  Vec<D> normal = Vec<D>::Zero(), point = Vec<D>::Zero();      ///< unit, into the soil; a point of the wall [m]
+  Mat<D> bend = Mat<D>::Zero(), stretch = Mat<D>::Identity();  ///< see Surfaces::WallPoint
+  Vec<D> from = Vec<D>::Zero();                                ///< m, the parent then; set where the wall is curved
+};
+
+/// The walls behind which an image lies, some of which are curved: as the parent moves, their normals turn.
+template <int D>
+struct BehindCurved {
+  Index image = 0;
+  std::size_t size = 0;
+  std::array<Passed<D>, D> walls{};
 };
 
 /// How an image follows its parent, with the maps below: x' = map x + shift; v' = velocity v + slip s with the parent's
@@ -136,6 +156,8 @@ struct ImageRule {
   bool slips = false;  ///< one of the walls passed is frictional
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
+  bool curved = false;                   ///< one of the walls passed is curved
+  double swelling = 1.0;                 ///< volume of the image over that of its parent
   bool periodic = false;                 ///< the image lies beyond periodic sides only: it has its parent's scalars
   Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; updated together with its node
   /// Velocity [m/s] or displacement [m] of the image, from that of its parent v and the slips of all particles s.
@@ -153,7 +175,9 @@ struct Neighbourhood {
   std::vector<Eigen::Matrix<float, D, 1>> built_at;
   Vec<D> lower = Vec<D>::Zero(), upper = Vec<D>::Zero();  ///< m, bounding box of the particles when built
   std::vector<ImageRule<D>> images;
+  std::vector<BehindCurved<D>> behind_curved;
   Pairs pairs;
+  Views views;
 };
 
 /// Water on the soil in a window.

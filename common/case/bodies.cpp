@@ -16,18 +16,19 @@ class Bodies : Complaints {
   Bodies(Case& scene, const Places& places)
       : Complaints(scene, places), d_(scene.general.dimension), spacing_(finest_spacing(scene)) {}
 
-  /// always: also of a box or ball along the axes.
-  void make(Shape& shape, const std::string& key, bool always = false) const {
+  /// always: also of a box or ball along the axes. facets: departure of facets from curved surfaces, over the usual
+  /// one.
+  void make(Shape& shape, const std::string& key, bool always = false, double facets = 1.0) const {
     if (d_ == 2) return place_in_plane(shape, key);
     const bool turned = shape.placement && shape.placement->turn != 0.0;
     const bool plain = shape.kind == Shape::Kind::ball || (shape.kind == Shape::Kind::box && !turned);
     if (plain && !always && shape.within.empty() && shape.without.empty()) return place_as_it_is(shape);
     std::vector<Solid::Part> parts;
-    parts.push_back({mesh_of(shape, key), false});
+    parts.push_back({mesh_of(shape, key, facets), false});
     for (std::size_t i = 0; i < shape.within.size(); ++i)
-      parts.push_back({mesh_of(shape.within[i], fmt::format("{}.within[{}]", key, i)), false});
+      parts.push_back({mesh_of(shape.within[i], fmt::format("{}.within[{}]", key, i), facets), false});
     for (std::size_t i = 0; i < shape.without.size(); ++i)
-      parts.push_back({mesh_of(shape.without[i], fmt::format("{}.without[{}]", key, i)), true});
+      parts.push_back({mesh_of(shape.without[i], fmt::format("{}.without[{}]", key, i), facets), true});
     // Cells as large as a spacing would leave the volume of a small body 0.4 % off.
     constexpr double resolution = 0.1;  // spacings
     shape.solid = std::make_shared<const Solid>(std::move(parts), resolution * spacing_);
@@ -109,7 +110,7 @@ class Bodies : Complaints {
         fail(key + ".points", fmt::format("expected distances from the axis, 0 m or more, found {} m", x.x()));
   }
 
-  [[nodiscard]] TriangleMesh mesh_of(const Shape& s, const std::string& key) const {
+  [[nodiscard]] TriangleMesh mesh_of(const Shape& s, const std::string& key, double facets) const {
     measures(s, key);
     const bool from_file = s.kind == Shape::Kind::mesh || s.kind == Shape::Kind::terrain;
     const std::string at = from_file ? key + ".file" : key;
@@ -120,8 +121,8 @@ class Bodies : Complaints {
       fail(key, "expected a particle spacing (fluid.particle_spacing or solid.particle_spacing) > 0 m");
     Triangles surface;
     try {
-      surface =
-          surface_of(s, spacing_, [&](const std::string& file) { return read_text(scene_.path.parent_path() / file); });
+      surface = surface_of(s, facets * spacing_,
+                           [&](const std::string& file) { return read_text(scene_.path.parent_path() / file); });
     } catch (const CaseError& error) {
       fail(at, explained(error.what()));
     } catch (const FileError& error) {
@@ -154,7 +155,12 @@ void make_solids(Case& scene, const Places& places) {
   for (std::size_t i = 0; i < scene.fluid.regions.size(); ++i)
     bodies.make(scene.fluid.regions[i], fmt::format("fluid.region[{}]", i));
   for (std::size_t i = 0; i < scene.walls.size(); ++i)
-    if (scene.walls[i].shape) bodies.make(*scene.walls[i].shape, fmt::format("wall[{}]", i), true);
+    if (scene.walls[i].shape) {
+      // Soil that slides along a wall is strained by the bends between its facets.
+      constexpr double finer = 0.1;
+      const bool beside_soil = scene.deformable() && scene.walls[i].soil != Wall::ForSoil::none;
+      bodies.make(*scene.walls[i].shape, fmt::format("wall[{}]", i), true, beside_soil ? finer : 1.0);
+    }
   for (std::size_t i = 0; i < scene.pore_pressures.size(); ++i)
     if (scene.pore_pressures[i].region)
       bodies.make(*scene.pore_pressures[i].region, fmt::format("pore_pressure[{}].region", i));

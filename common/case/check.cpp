@@ -43,6 +43,7 @@ class Checker : Complaints {
     walls();
     nothing_behind_planes();
     shaped_walls();
+    soil_beside_shapes();
     soils_are_supported();
     pore_pressures();
     if (scene_.has_water()) sides();
@@ -296,6 +297,17 @@ class Checker : Complaints {
         return away > -0.5 * spacing && away < spacing && along > -spacing && along < length + spacing;
       });
     };
+    if (wall.shape) {
+      Surfaces surfaces;
+      surfaces.add(wall.shape->solid, wall.domain == Wall::Domain::inside, 0);
+      return std::ranges::any_of(points, [&](const Point3& x) {
+        const auto around = surfaces.walls_near(x, spacing);
+        return std::ranges::any_of(around.all(), [&](const Surfaces::WallPoint& point) {
+          const double facing = point.normal.dot(down);
+          return wall.soil == Wall::ForSoil::fixed ? facing <= 1e-6 : facing <= -1e-6;
+        });
+      });
+    }
     const Face& f = wall.face;
     if (f.points.empty()) return near(f.point, f.normal.normalized(), Point3::Zero(), 1.0);
     for (std::size_t i = 0; i + 1 < f.points.size(); ++i) {
@@ -625,13 +637,14 @@ class Checker : Complaints {
       if (!wall.shape) continue;
       const std::string key = fmt::format("wall[{}]", i);
       const auto no = [&](bool there, const std::string& what) {
-        if (there) fail(key + ".shape", "a wall with a shape stands beside water and rigid soil only, found " + what);
+        if (there)
+          fail(key + ".shape",
+               "a wall with a shape needs 3D, and neither periodic sides nor a [[water_face]]; found " + what);
       };
       no(scene_.general.dimension != 3, "dimension = 2; expected a wall by 'points'");
-      no(scene_.deformable(), fmt::format("solid.model = \"{}\"; expected \"rigid\", or walls by 'point' and 'normal'",
-                                          scene_.solid.model.name));
       no(!scene_.general.periodic.empty(), "periodic sides; expected none");
       no(!scene_.water_faces.empty(), "a [[water_face]]; expected none, or walls by 'point' and 'normal'");
+      if (scene_.deformable() && wall.soil != Wall::ForSoil::none) beside_soil(wall, key);
       if (wall.water == Wall::ForWater::none) continue;
       if (const auto thin = thin_place(*wall.shape, wall.domain, scene_.fluid.particle_spacing))
         fail(key + ".shape",
@@ -639,23 +652,113 @@ class Checker : Complaints {
                  "is {:.4g} m thick at {} m: water on its two sides would interact through it; expected {:.3g} m or "
                  "more, {:g} particle spacings",
                  thin->thickness, shown(thin->at), least_thickness * scene_.fluid.particle_spacing, least_thickness));
-      for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r) no_water_in(wall, i, r);
+      for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r)
+        nothing_in(wall, i, scene_.fluid.regions[r], scene_.fluid.particle_spacing, scene_.fluid.offset,
+                   fmt::format("fluid.region[{}]", r), "water");
     }
   }
 
-  void no_water_in(const Wall& wall, std::size_t i, std::size_t r) const {
-    const Shape& region = scene_.fluid.regions[r];
-    const double dx = scene_.fluid.particle_spacing;
+  /// Refuses a wall with a shape whose images would not be right for soil that moves.
+  void beside_soil(const Wall& wall, const std::string& key) const {
+    const double dx = scene_.solid.particle_spacing;
+    if (wall.soil == Wall::ForSoil::rough)
+      fail(key + ".soil", "\"rough\" is for planes; expected \"roller\", \"fixed\" or \"frictional\" beside a shape");
+    if (wall.domain == Wall::Domain::outside && wall.shape->solid->parts().size() > 1)
+      fail(key + ".shape",
+           "an obstacle in moving soil may not be cut by others, since its edges turn away from the soil");
+    if (const auto thin = thin_place(*wall.shape, wall.domain, dx))
+      fail(key + ".shape", fmt::format("is {:.4g} m thick at {} m: soil on its two sides would interact through it; "
+                                       "expected {:.3g} m or more, {:g} particle spacings",
+                                       thin->thickness, shown(thin->at), least_thickness * dx, least_thickness));
+    // Soil comes neither behind other walls nor above the highest soil at first.
+    const Point3 up = -scene_.general.gravity.normalized();
+    double top = -HUGE_VAL;
+    for (const Soil& soil : scene_.soils)
+      for (const auto& x : lattice(soil.shape, dx, scene_.solid.offset)) top = std::max(top, up.dot(x) + dx);
+    Surfaces others;
+    for (const Wall& other : scene_.walls) {
+      if (&other == &wall || other.soil == Wall::ForSoil::none) continue;
+      if (other.shape)
+        others.add(other.shape->solid, other.domain == Wall::Domain::inside, 0);
+      else
+        others.add(other.face.point, other.face.normal.normalized(), 0);
+    }
+    const auto in_reach = [&](const Point3& x) {
+      return (up.isZero() || up.dot(x) < top + least_thickness * dx) && others.holds(x);
+    };
+    if (const auto bent = bent_place(*wall.shape, wall.domain, dx, in_reach)) {
+      if (bent->turn > 0.0)
+        fail(key + ".shape",
+             fmt::format("has an edge at {} m that turns away from the soil by {:.3g} degrees, behind which "
+                         "moving soil has no images; expected {:g} degrees at most, or soil = \"none\" "
+                         "for a wall that no soil reaches",
+                         shown(bent->at), bent->turn, most_turned_away));
+      fail(key + ".shape",
+           fmt::format(
+               "has a radius of curvature of {:.3g} m at {} m; expected {:.3g} m or more beside moving soil, {:g} "
+               "particle spacings",
+               bent->radius, shown(bent->at), least_radius * dx, least_radius));
+    }
+  }
+
+  /// Refuses moving soil that is drawn behind walls with a shape or so that their images do not fit it.
+  void soil_beside_shapes() const {
+    if (!scene_.deformable() || scene_.general.dimension != 3) return;
+    Surfaces walls;
+    bool any = false;
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const Wall& wall = scene_.walls[i];
+      if (wall.soil == Wall::ForSoil::none) continue;
+      any = any || wall.shape;
+      if (wall.shape)
+        walls.add(wall.shape->solid, wall.domain == Wall::Domain::inside, static_cast<int>(i));
+      else
+        walls.add(wall.face.point, wall.face.normal.normalized(), static_cast<int>(i));
+    }
+    if (!any) return;
+    const double dx = scene_.solid.particle_spacing;
+    constexpr double sharp = -0.51;   // cosine between the normals of walls that meet at 60 degrees, less rounding
+    constexpr double unpacked = 0.3;  // spacings; a row along a wall, or packed particles, lie half a spacing off it
+    constexpr double near = 1.5;      // spacings; two rows: walls that both are near leave no room between them
+    for (std::size_t s = 0; s < scene_.soils.size(); ++s) {
+      const Shape& shape = scene_.soils[s].shape;
+      const std::string key = fmt::format("soil[{}]", s);
+      for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+        if (scene_.walls[i].shape && scene_.walls[i].soil != Wall::ForSoil::none)
+          nothing_in(scene_.walls[i], i, shape, dx, scene_.solid.offset, key, "soil");
+      const bool packed = is_packed(shape);
+      for (const auto& x : lattice(shape, dx, scene_.solid.offset)) {
+        const auto around = walls.walls_near(x, near * dx);
+        if (!packed && around.size > 0 && around.point[0].distance < unpacked * dx)
+          fail(key,
+               fmt::format("the rows of its particles meet {} at an angle, at {} m: stresses there would be wrong; "
+                           "expected a soil with the wall's shape, or cut by it ('within', 'without')",
+                           named("wall", static_cast<std::size_t>(around.point[0].boundary),
+                                 scene_.walls[static_cast<std::size_t>(around.point[0].boundary)].name),
+                           shown(x)));
+        for (std::size_t a = 0; a < around.size; ++a)
+          for (std::size_t b = 0; b < a; ++b)
+            if (around.point[a].normal.dot(around.point[b].normal) < sharp)
+              fail(key,
+                   fmt::format("lies at {} m between walls that meet at less than 60 degrees or are less than three "
+                               "particle spacings apart: images beside walls with a shape would be wrong there",
+                               shown(x)));
+      }
+    }
+  }
+
+  void nothing_in(const Wall& wall, std::size_t i, const Shape& region, double dx, const Point3& offset,
+                  const std::string& key, const char* what) const {
     // In shapes with slanted or curved faces particles are moved up to a spacing before a run begins.
     const double allowed = region.solid ? dx : 1e-6 * dx;
     const bool inside = wall.domain == Wall::Domain::inside;
-    for (const auto& x : lattice(region, dx, scene_.fluid.offset)) {
+    for (const auto& x : lattice(region, dx, offset)) {
       const double depth = wall.shape->solid->depth(x, 2.0 * dx);
       if ((inside ? -depth : depth) > allowed)
-        fail(fmt::format("fluid.region[{}]", r),
+        fail(key,
              fmt::format(
-                 "water lies {} {}, for example at {} m; expected none there: cut the region by 'within' or 'without'",
-                 inside ? "outside of" : "in", named("wall", i, wall.name), shown(x)));
+                 "{} lies {} {}, for example at {} m; expected none there: cut the region by 'within' or 'without'",
+                 what, inside ? "outside of" : "in", named("wall", i, wall.name), shown(x)));
     }
   }
 

@@ -90,7 +90,14 @@ void pack(const Solid& solid, double spacing, Lattice<3>& lattice) {
       }
   });
   for (int k = 0; k < most_steps; ++k) {
-    const auto images = surfaces.images(x, range);
+    std::vector<Surfaces::WallPoints> mirrors;
+    const auto images = surfaces.images(x, range, &mirrors);
+    ScalarArray swelling;
+    for (const auto& walls : mirrors) {
+      double s = 1.0;
+      for (const auto& wall : walls.all()) s *= wall.stretch().determinant();
+      swelling.push_back(s);
+    }
     all = x;
     all.insert(all.end(), images.position.begin(), images.position.end());
     sph::CellGrid<3> grid;
@@ -101,7 +108,8 @@ void pack(const Solid& solid, double spacing, Lattice<3>& lattice) {
         if (j == a || (j >= n && !Surfaces::sees(x[a], x[images.parent[j - n]], all[j]))) return;
         const Vec<3> r = all[j] - x[a];
         const double distance = std::max(std::sqrt(r2), 1e-3 * spacing);
-        sum -= lattice.volume * sph::WendlandC2<3>::derivative_over_r(distance, h) * r;
+        sum -= (j >= n && !swelling.empty() ? swelling[j - n] : 1.0) * lattice.volume *
+               sph::WendlandC2<3>::derivative_over_r(distance, h) * r;
         sum += repulsion * std::max(0.0, nearest * spacing / distance - 1.0) / (spacing * spacing) * r;
       });
       way[a] = -evening * spacing * spacing * sum;

@@ -111,6 +111,8 @@ std::optional<Shape> turned_box(const Shape& shape) {
 
 }  // namespace
 
+bool is_packed(const Shape& shape) { return shape.solid && !turned_box(shape); }
+
 template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                 std::span<const Shape> later) {
@@ -162,7 +164,7 @@ Lattice<D> lay(const Shape& shape, double spacing, const Point3& offset, double 
                std::span<const Shape> later) {
   auto lattice = fill<D>(shape, spacing, offset, jitter, seed, later);
   if constexpr (D == 3)
-    if (shape.solid && !turned_box(shape)) pack(*shape.solid, spacing, lattice);
+    if (is_packed(shape)) pack(*shape.solid, spacing, lattice);
   return lattice;
 }
 

@@ -58,6 +58,9 @@ template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                 std::span<const Shape> later = {});
 
+/// Whether lay() moves the particles of a shape (3D): true but for balls, and for boxes, turned or not.
+bool is_packed(const Shape& shape);
+
 /// Fills a shape for a run: in bodies with slanted or curved faces (3D) the particles are also moved until they lie
 /// evenly.
 template <int D>

@@ -1,9 +1,14 @@
 #include "common/geometry/surfaces.hpp"
 
 #include "common/core/threads.hpp"
+#include "common/particles/neighbours.hpp"
+
+#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 
 namespace poretwin {
 namespace {
@@ -19,6 +24,14 @@ constexpr double faces = 0.9;
 constexpr double wide_corner = 0.26;
 /// An image is dropped where another wall is nearer to it than this fraction of its distance from the mirror.
 constexpr double cut_off = 0.98;
+/// The bend of a wall is found from the wall points within this fraction of the range of images: some two spacings, so
+/// that several facets take part. Test: SoilInShapedWalls.IsNotStrainedWhereItTurnsInACylinder (untried).
+constexpr double bend_reach = 0.75;
+/// Largest distance over the radius of curvature up to which images are stretched in proportion: the kernel's reach at
+/// a radius of five spacings.
+constexpr double most_bent = 0.5;
+/// Weight on the bend itself, over the sum of the squares of the distances: small, since it lowers the bend by as much.
+constexpr double bend_damping = 1e-3;
 /// Rounding errors, over the distances that are compared.
 constexpr double slack = 1e-6;
 
@@ -30,6 +43,15 @@ Vec<3> mirrored(const Vec<3>& x, const Surfaces::WallPoint& wall) {
 }
 
 }  // namespace
+
+Mat<3> Surfaces::WallPoint::stretch() const {
+  if (bend.isZero(0.0)) return Mat<3>::Identity();
+  Eigen::SelfAdjointEigenSolver<Mat<3>> solver;
+  solver.computeDirect(bend);
+  const Eigen::Array3d bent = (distance * solver.eigenvalues()).array().max(-most_bent).min(most_bent);
+  const Mat<3>& axes = solver.eigenvectors();
+  return axes * ((1.0 - bent) / (1.0 + bent)).matrix().asDiagonal() * axes.transpose();
+}
 
 void Surfaces::add(std::shared_ptr<const Solid> solid, bool domain_inside, int boundary) {
   bodies_.push_back({std::move(solid), domain_inside, boundary});
@@ -133,18 +155,67 @@ bool Surfaces::is_cut_off(const Vec<3>& from, const Vec<3>& image, double distan
   return found;
 }
 
-sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) const {
+// By least squares over the wall points within the range: the normal n and the symmetric, tangential S with which
+// n + S (x_j - x) comes closest to the normals n_j. A small weight on S keeps directions determined in which no other
+// point lies. Where the normals are all the same, nothing changes.
+void Surfaces::find_bends(double range, std::vector<Found>& found) {
+  std::vector<WallPoint*> points;
+  for (auto& some : found)
+    for (auto& [who, walls] : some)
+      for (std::size_t k = 0; k < walls.size; ++k) points.push_back(&walls.point[k]);
+  VecArray<3> at, normal;
+  for (const auto* point : points) {
+    at.push_back(point->at);
+    normal.push_back(point->normal);
+  }
+  if (at.empty()) return;
+  sph::CellGrid<3> grid;
+  grid.build(at, range);
+  parallel_for(points.size(), [&](std::size_t k) {
+    using Unknowns = Eigen::Matrix<double, 5, 1>;
+    const Vec<3>& n = normal[k];
+    const Vec<3> u = n.unitOrthogonal(), v = n.cross(u);
+    Eigen::Matrix<double, 5, 5> moment = Eigen::Matrix<double, 5, 5>::Zero();
+    Unknowns right = Unknowns::Zero();
+    double spread = 0.0;
+    grid.for_each_within(at[k], range, [&](Index j, double r2) {
+      if (points[j]->boundary != points[k]->boundary || normal[j].dot(n) < faces) return;
+      const Vec<3> way = at[j] - at[k], change = normal[j] - n;
+      const double weight = 1.0 - r2 / (range * range), a = way.dot(u), b = way.dot(v);
+      // Factors of S_uu, S_uv, S_vv and of the normal's own change along u and v.
+      const Unknowns along_u(Unknowns{{a, b, 0.0, 1.0, 0.0}}), along_v(Unknowns{{0.0, a, b, 0.0, 1.0}});
+      moment += weight * (along_u * along_u.transpose() + along_v * along_v.transpose());
+      right += weight * (change.dot(u) * along_u + change.dot(v) * along_v);
+      spread += weight * r2;
+    });
+    if (right.norm() <= slack * spread / range) return;  // flat
+    moment.diagonal().head<3>().array() += bend_damping * spread;
+    const Unknowns s = moment.ldlt().solve(right);
+    points[k]->bend =
+        s[0] * u * u.transpose() + s[1] * (u * v.transpose() + v * u.transpose()) + s[2] * v * v.transpose();
+    points[k]->normal = (n + s[3] * u + s[4] * v).normalized();
+  });
+}
+
+sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range, std::vector<WallPoints>* mirrors) const {
   const std::size_t parts = std::max<std::size_t>(1, points.size() / 1024);
+  std::vector<Found> found(parts);
+  for_each_part(parts, [&](std::size_t part) {
+    for (std::size_t b = points.size() * part / parts; b < points.size() * (part + 1) / parts; ++b)
+      if (const auto walls = walls_near(points[b], range); walls.size > 0)
+        found[part].emplace_back(static_cast<Index>(b), walls);
+  });
+  if (mirrors) find_bends(bend_reach * range, found);
   std::vector<sph::Images<3>> made(parts);
+  std::vector<std::vector<WallPoints>> by(parts);
   for_each_part(parts, [&](std::size_t part) {
     auto& images = made[part];
-    for (std::size_t b = points.size() * part / parts; b < points.size() * (part + 1) / parts; ++b) {
-      const auto walls = walls_near(points[b], range);
+    for (const auto& [b, walls] : found[part])
       for (unsigned set = 1; set < 1u << walls.size; ++set) {
         Vec<3> y = points[b];
         Mat<3> map = Mat<3>::Identity();
         std::uint32_t boundaries = 0;
-        std::size_t mirrors = 0;
+        WallPoints passed;
         bool narrow = true;
         for (std::size_t i = 0; i < walls.size; ++i) {
           if ((set >> i & 1u) == 0) continue;
@@ -154,20 +225,25 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) co
           y = mirrored(y, wall);
           map -= 2.0 * wall.normal * (wall.normal.transpose() * map).eval();
           boundaries |= 1u << wall.boundary;
-          ++mirrors;
+          passed.point[passed.size++] = wall;
         }
-        if (!narrow || (mirrors > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm())) continue;
+        if (!narrow || (passed.size > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm()))
+          continue;
         images.position.push_back(y);
-        images.parent.push_back(static_cast<Index>(b));
+        images.parent.push_back(b);
         images.map.push_back(map);
         images.carried.push_back(Vec<3>::Zero());
         images.boundaries.push_back(boundaries);
+        if (mirrors) by[part].push_back(passed);
       }
-    }
   });
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  if (mirrors) {
+    mirrors->clear();
+    for (const auto& some : by) append(*mirrors, some);
+  }
   sph::Images<3> all = std::move(made[0]);
   for (std::size_t part = 1; part < parts; ++part) {
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(all.position, made[part].position);
     append(all.parent, made[part].parent);
     append(all.map, made[part].map);
@@ -175,6 +251,14 @@ sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) co
     append(all.boundaries, made[part].boundaries);
   }
   return all;
+}
+
+bool Surfaces::come_near(const Vec<3>& x, double range) const {
+  return std::ranges::any_of(planes_, [&](const Plane& p) { return std::abs(p.normal.dot(x - p.point)) < range; }) ||
+         std::ranges::any_of(bodies_, [&](const Body& body) {
+           return std::ranges::any_of(body.solid->parts(),
+                                      [&](const Solid::Part& part) { return part.mesh.nearest(x, range).has_value(); });
+         });
 }
 
 bool Surfaces::holds(const Vec<3>& x) const {
@@ -202,6 +286,57 @@ void Surfaces::keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>
   if (!thrown || holds(x)) return;
   x = before;
   v.setZero();
+}
+
+std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing,
+                                    const std::function<bool(const Point3&)>& in_reach) {
+  constexpr double most_samples = 100.0;
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  constexpr double corner = 45.0;    // degrees: two walls, not one curved one (one_wall)
+  constexpr double smallest = 1e-3;  // radians; smaller turns are rounding
+  const bool inside = domain == Wall::Domain::inside;
+  const auto& parts = shape.solid->parts();
+  for (const auto& part : parts) {
+    const auto& [points, facets] = part.mesh.triangles();
+    struct Side {
+      Index facet, opposite;  // the facet, and its corner off the edge
+    };
+    std::map<std::pair<Index, Index>, Side> first;
+    for (Index f = 0; f < facets.size(); ++f)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Index i = facets[f][c], j = facets[f][(c + 1) % 3], opposite = facets[f][(c + 2) % 3];
+        const auto [found, is_new] = first.try_emplace(std::minmax(i, j), Side{f, opposite});
+        if (is_new) continue;
+        const Side other = found->second;
+        const double side = into_domain(inside, part);
+        const Point3 &a = points[i], &b = points[j];
+        const Point3 n = side * part.mesh.normal(f), m = side * part.mesh.normal(other.facet);
+        const double turn = std::atan2(n.cross(m).norm(), n.dot(m));
+        if (turn < smallest) continue;
+        Point3 at = Point3::Zero();
+        bool counts = false;
+        const int samples = static_cast<int>(std::clamp((b - a).norm() / spacing, 1.0, most_samples));
+        for (int k = 0; k < samples && !counts; ++k) {
+          at = a + (k + 0.5) / samples * (b - a);
+          // Parts of the surface that other parts cut away do not count.
+          counts = in_reach(at) && (parts.size() == 1 || shape.solid->depth(at, spacing) > -1e-3 * spacing);
+        }
+        if (!counts) continue;
+        const bool away = n.dot(points[other.opposite] - a) < 0.0;
+        if (away && turn * degrees > most_turned_away) return BentPlace{at, turn * degrees, 0.0};
+        if (turn * degrees > corner) continue;
+        // The distance between the places to which the facets' normals belong: between their circumcentres, or, where
+        // those lie close to the edge, between their centroids.
+        const Point3& tip = points[opposite];
+        const Point3& other_tip = points[other.opposite];
+        const auto cotangent = [&](const Point3& x) { return (a - x).dot(b - x) / (a - x).cross(b - x).norm(); };
+        const auto height = [&](const Point3& x) { return (a - x).cross(b - x).norm() / (b - a).norm(); };
+        const double width = std::max(0.5 * (b - a).norm() * (cotangent(tip) + cotangent(other_tip)),
+                                      (height(tip) + height(other_tip)) / 3.0);
+        if (width < least_radius * spacing * turn * (1.0 - 1e-2)) return BentPlace{at, 0.0, width / turn};
+      }
+  }
+  return std::nullopt;
 }
 
 std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing) {

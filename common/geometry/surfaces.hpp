@@ -5,6 +5,7 @@
 #include "common/geometry/solid.hpp"
 #include "common/particles/images.hpp"
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,6 +25,9 @@ class Surfaces {
     Vec<3> at = Vec<3>::Zero(), normal = Vec<3>::Zero();  ///< m; unit, towards x
     double distance = 0.0;                                ///< m
     int boundary = 0;
+    Mat<3> bend = Mat<3>::Zero();  ///< 1/m, S, derivative of the normal along the wall; set by `images` on request
+    /// Lengths along the wall at the image of x over those at x: (1 - d S)(1 + d S)^-1 with the distance d.
+    [[nodiscard]] Mat<3> stretch() const;
   };
   struct WallPoints {
     std::array<WallPoint, 3> point;
@@ -34,11 +38,17 @@ class Surfaces {
   [[nodiscard]] WallPoints walls_near(const Vec<3>& x, double range) const;
 
   /// Images of points by the walls within a range [m] of them. An image is seen by points on its original's side of the
-  /// plane midway only (`sees`).
-  [[nodiscard]] sph::Images<3> images(std::span<const Vec<3>> points, double range) const;
-  static bool sees(const Vec<3>& from, const Vec<3>& original, const Vec<3>& image) {
+  /// plane midway only (`sees`). mirrors: where given, it is filled with the wall points by which each image was made,
+  /// with the bend of the wall there.
+  [[nodiscard]] sph::Images<3> images(std::span<const Vec<3>> points, double range,
+                                      std::vector<WallPoints>* mirrors = nullptr) const;
+  template <int D>
+  static bool sees(const Vec<D>& from, const Vec<D>& original, const Vec<D>& image) {
     return (original - image).dot(2.0 * from - original - image) > 0.0;
   }
+
+  /// Does a wall come nearer to x than the range [m]?
+  [[nodiscard]] bool come_near(const Vec<3>& x, double range) const;
 
   /// Is x in the domain: before all planes, in all containers and in no obstacle?
   [[nodiscard]] bool holds(const Vec<3>& x) const;
@@ -47,6 +57,9 @@ class Surfaces {
   void keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const;
 
  private:
+  /// The walls near one of the points, by its number.
+  using Found = std::vector<std::pair<Index, WallPoints>>;
+  static void find_bends(double range, std::vector<Found>& found);
   struct Body {
     std::shared_ptr<const Solid> solid;
     bool domain_inside;
@@ -80,5 +93,20 @@ struct ThinPlace {
 /// each other.
 inline constexpr double least_thickness = 2.6;
 std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing);
+
+/// Where a wall turns away from the soil by more than an image can follow, or is curved more strongly than images allow
+/// for.
+struct BentPlace {
+  Point3 at;            ///< m
+  double turn = 0.0;    ///< degrees, away from the domain; 0 where the wall is curved too strongly
+  double radius = 0.0;  ///< m, of the curvature
+};
+/// Largest angle [degrees] by which an edge may turn away from moving soil; beyond such edges there are no images.
+inline constexpr double most_turned_away = 25.0;
+/// Least radius of curvature of walls beside moving soil [spacings].
+inline constexpr double least_radius = 6.0;
+/// The first such place of a shape beside soil, among those that the soil can reach.
+std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, double spacing,
+                                    const std::function<bool(const Point3&)>& in_reach);
 
 }  // namespace poretwin

@@ -15,74 +15,159 @@ template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin) {
   using Kind = typename Boundaries<D>::Kind;
   Boundaries<D> boundaries;
-  auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind, double friction_angle) {
+  /// The number of a new boundary.
+  const auto number = [&](Kind kind, double friction_angle) {
+    boundaries.kinds.push_back(kind);
+    boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
+    return static_cast<int>(boundaries.kinds.size()) - 1;
+  };
+  const auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind, double friction_angle) {
     for (auto& plane : planes) {
-      plane.boundary = static_cast<int>(boundaries.planes.size());
+      plane.boundary = number(kind, friction_angle);
       boundaries.planes.push_back(plane);
-      boundaries.kinds.push_back(kind);
-      boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
     }
   };
+  const auto makes_images = [](const Wall& wall) {
+    return wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::rough;
+  };
+  std::shared_ptr<Surfaces> surfaces;
+  if (D == 3 && std::ranges::any_of(scene.walls, [&](const Wall& wall) { return makes_images(wall) && wall.shape; }))
+    surfaces = std::make_shared<Surfaces>();
+  boundaries.surfaces = surfaces;
   add(periodic_planes<D>(scene.general, 0), Kind::periodic, 0.0);
   for (const auto& wall : scene.walls) {
-    if (wall.soil == Wall::ForSoil::none || wall.soil == Wall::ForSoil::rough) continue;
+    if (!makes_images(wall)) continue;
     const Kind kind = wall.soil == Wall::ForSoil::fixed        ? Kind::fixed
                       : wall.soil == Wall::ForSoil::frictional ? Kind::frictional
                                                                : Kind::roller;
-    add(planes_of<D>(wall.face, 0, 0.0), kind, wall.friction_angle);
+    if (!surfaces)
+      add(planes_of<D>(wall.face, 0, 0.0), kind, wall.friction_angle);
+    else if (wall.shape)
+      surfaces->add(wall.shape->solid, wall.domain == Wall::Domain::inside, number(kind, wall.friction_angle));
+    else
+      surfaces->add(wall.face.point, wall.face.normal.normalized(), number(kind, wall.friction_angle));
   }
   meet_at_corners<D>(boundaries.planes, margin);
-  if (boundaries.planes.size() > 32)
+  if (boundaries.kinds.size() > 32)
     throw CaseError(
         fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
-                    boundaries.planes.size()));
+                    boundaries.kinds.size()));
   return boundaries;
 }
 
 namespace {
 
-/// Linear maps of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls, and at
-/// frictional walls reversed about the wall slip, v' = 2 s - v.
 template <int D>
-void find_velocity_maps(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
+typename Passed<D>::Kind kind_of(const Boundaries<D>& boundaries, std::size_t k) {
   using Kind = typename Boundaries<D>::Kind;
-  for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
-    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
-    const Vec<D>& n = boundaries.planes[k].normal;
-    const Mat<D> reversed = boundaries.kinds[k] == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose())
-                                                                : Mat<D>(-Mat<D>::Identity());
+  return boundaries.kinds[k] == Kind::fixed        ? Passed<D>::Kind::fixed
+         : boundaries.kinds[k] == Kind::frictional ? Passed<D>::Kind::frictional
+                                                   : Passed<D>::Kind::roller;
+}
+
+/// The planes behind which an image lies, in the order of its reflections; periodic sides need no correction.
+template <int D>
+void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::vector<Passed<D>>& passed) {
+  passed.clear();
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
+    if ((numbers >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic)
+      passed.push_back(
+          {kind_of(boundaries, k), boundaries.friction[k], boundaries.planes[k].normal, boundaries.planes[k].point});
+}
+
+/// The points of surfaces at which an image is reflected, in this order.
+template <int D>
+void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mirrors, std::vector<Passed<D>>& passed) {
+  passed.clear();
+  for (const auto& wall : mirrors.all()) {
+    const auto k = static_cast<std::size_t>(wall.boundary);
+    passed.push_back({kind_of(boundaries, k), boundaries.friction[k], wall.normal.template head<D>(),
+                      wall.at.template head<D>(), wall.bend.template topLeftCorner<D, D>(),
+                      wall.stretch().template topLeftCorner<D, D>()});
+  }
+}
+
+/// Linear maps of velocities through a chain of walls: mirrored at rollers, reversed at fixed walls, and at frictional
+/// walls reversed about the wall slip, v' = 2 s - v.
+template <int D>
+void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
+  using Kind = typename Passed<D>::Kind;
+  for (const auto& wall : passed) {
+    const Vec<D>& n = wall.normal;
+    const bool curved = !wall.bend.isZero(0.0);
+    Mat<D> reversed =
+        wall.kind == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose()) : Mat<D>(-Mat<D>::Identity());
+    if (curved) {
+      if (wall.kind == Kind::roller) reversed = (wall.stretch - 2.0 * n * n.transpose()).eval();
+      rule.swelling *= wall.stretch.determinant();
+      rule.curved = true;
+    }
     rule.velocity = (reversed * rule.velocity).eval();
     rule.slip = (reversed * rule.slip).eval();
-    if (boundaries.kinds[k] != Kind::frictional) continue;
+    if (wall.kind != Kind::frictional) continue;
     rule.slip += 2.0 * (Mat<D>::Identity() - n * n.transpose());
     rule.slips = true;
   }
 }
 
-/// The walls among the boundaries passed; periodic sides need no correction.
 template <int D>
-void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
-  using Kind = typename Boundaries<D>::Kind;
-  for (std::size_t k = 0; k < boundaries.planes.size() && rule.n_crossings < D; ++k) {
-    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
-    const Vec<D>& n = boundaries.planes[k].normal;
+void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
+  using Kind = typename Passed<D>::Kind;
+  for (const auto& wall : passed) {
+    if (rule.n_crossings == D) break;
+    const Vec<D>& n = wall.normal;
     const Mat<D> normal_part = n * n.transpose();
     Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
     crossing.normal = n;
-    crossing.level = n.dot(boundaries.planes[k].point);
+    crossing.level = n.dot(wall.point);
     // An image behind several walls is the parent reflected at each of them. The body force is reflected at the other
     // walls only: multiplied by rule.map without the reflection at this wall.
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
-    if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
-    if (boundaries.kinds[k] == Kind::frictional) crossing.friction = boundaries.friction[k];
+    if (wall.kind == Kind::roller) crossing.share = normal_part * crossing.share;
+    if (wall.kind == Kind::frictional) crossing.friction = wall.friction;
+    crossing.bend = wall.bend;
   }
 }
 
+/// Force per volume [N/m3] of stress that follows a curved wall unchanged: the divergence of a stress s whose
+/// components along the wall and across it are the same all along the wall.
 template <int D>
-bool only_periodic(const Boundaries<D>& boundaries, std::uint32_t passed) {
-  for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
-    if ((passed >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic) return false;
-  return true;
+Vec<D> bent_stress(const Crossing<D>& wall, const Mat<D>& s) {
+  const Vec<D> pull = s * wall.normal;
+  const double across = wall.normal.dot(pull), bend = wall.bend.trace();
+  const Vec<D> along = pull - across * wall.normal;
+  return (across * bend - wall.bend.cwiseProduct(s).sum()) * wall.normal + bend * along + wall.bend * along;
+}
+
+/// Turns the reflections of an image behind curved walls with the motion of its parent at x [m] since the lists were
+/// built. The normal at x is the gradient of the distance from the wall, whose second derivative is S (1 + d S)^-1.
+template <int D>
+void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<D>& rule) {
+  std::array<Passed<D>, D> walls = behind.walls;
+  Vec<D> image = x;
+  const Index parent = rule.parent;
+  const double swelling = rule.swelling;
+  rule = {};
+  rule.parent = parent;
+  for (std::size_t k = 0; k < behind.size; ++k) {
+    Passed<D>& wall = walls[k];
+    if (!wall.bend.isZero(0.0)) {
+      const Vec<D> moved = x - wall.from;
+      const double at_first = wall.normal.dot(wall.from - wall.point);
+      const Vec<D> turned = 0.5 * (wall.bend + wall.stretch * wall.bend) * moved;
+      const double distance = at_first + wall.normal.dot(moved) + 0.5 * moved.dot(turned);
+      wall.normal = (wall.normal + turned).normalized();
+      wall.point = x - distance * wall.normal;
+    }
+    const Vec<D>& n = wall.normal;
+    image -= 2.0 * n.dot(image - wall.point) * n;
+    rule.map -= 2.0 * n * (n.transpose() * rule.map).eval();
+  }
+  rule.shift = image - rule.map * x;
+  const auto passed = std::span<const Passed<D>>(walls).first(behind.size);
+  find_velocity_maps<D>(passed, rule);
+  find_crossings<D>(passed, rule);
+  rule.swelling = swelling;
 }
 
 }  // namespace
@@ -98,6 +183,23 @@ void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
 }
 
 template <int D>
+void keep_before_walls(const Boundaries<D>& boundaries, double reach, const Neighbourhood<D>& near,
+                       Particles<D>& particles) {
+  if constexpr (D == 3) {
+    if (boundaries.surfaces) {
+      if (near.built_at.size() != particles.size()) return;  // before the first step
+      parallel_for(particles.free(), [&](std::size_t i) {
+        const Vec<3> before = near.built_at[i].template cast<double>();
+        boundaries.surfaces->keep_inside(before, reach, particles.position[i], particles.velocity[i]);
+      });
+      return;
+    }
+  }
+  for (std::size_t i = 0; i < particles.free(); ++i)
+    sph::keep_inside<D>(boundaries.planes, reach, particles.position[i], particles.velocity[i]);
+}
+
+template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
   near.built_at.resize(particles.size());
@@ -107,21 +209,42 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
     near.lower = near.lower.cwiseMin(particles.position[i]);
     near.upper = near.upper.cwiseMax(particles.position[i]);
   }
-  const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
-                                          std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
+  sph::Images<D> images;
+  std::vector<Surfaces::WallPoints> mirrors;  // of surfaces, by image
+  if constexpr (D == 3)
+    if (boundaries.surfaces) images = boundaries.surfaces->images(particles.position, range, &mirrors);
+  if (!boundaries.surfaces)
+    images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
+                                 std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
   near.images.assign(images.size(), {});
+  near.behind_curved.clear();
   VecArray<D> sources = particles.position;
   sources.insert(sources.end(), images.position.begin(), images.position.end());
+  std::vector<Passed<D>> passed;
   for (std::size_t k = 0; k < images.size(); ++k) {
     ImageRule<D>& rule = near.images[k];
     rule.parent = images.parent[k];
     rule.map = images.map[k];
     rule.shift = images.position[k] - rule.map * particles.position[rule.parent];
-    find_velocity_maps(boundaries, images.boundaries[k], rule);
-    find_crossings(boundaries, images.boundaries[k], rule);
-    rule.periodic = only_periodic(boundaries, images.boundaries[k]);
+    if (boundaries.surfaces)
+      find_passed(boundaries, mirrors[k], passed);
+    else
+      find_passed(boundaries, images.boundaries[k], passed);
+    find_velocity_maps<D>(passed, rule);
+    find_crossings<D>(passed, rule);
+    rule.periodic = passed.empty();
+    if (!rule.curved) continue;
+    BehindCurved<D>& behind = near.behind_curved.emplace_back();
+    behind.image = static_cast<Index>(k);
+    for (Passed<D>& wall : passed) {
+      wall.from = particles.position[rule.parent];
+      behind.walls[behind.size++] = wall;
+    }
   }
-  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, near.pairs);
+  std::span<const Index> originals;
+  if (boundaries.surfaces) originals = images.parent;
+  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs);
+  if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
 }
 
 template <int D>
@@ -149,6 +272,10 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
                                                                : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
+  parallel_for(near.behind_curved.size(), [&](std::size_t k) {
+    ImageRule<D>& rule = near.images[near.behind_curved[k].image];
+    turn_with_parent<D>(p.position[rule.parent], near.behind_curved[k], rule);
+  });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     ImageRule<D>& rule = near.images[k];
     Node<D>& node = nodes[n + k];
@@ -158,13 +285,24 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
     rule.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
     node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
-    node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    if (near.views.offset.empty())
+      node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    else
+      node.flux.setZero();  // the parent bears it: see pull_back
+    if (rule.curved) {
+      node.volume *= rule.swelling;
+      // No hourglass control: the soil may have come along the wall from where its normal was another, so that its
+      // displacement has no mirror, and the rotation of soil that follows the wall is none either.
+      node.hourglass_level = Node<D>::flows;
+    }
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
       Vec<D> slope = body[rule.parent];
       if (std::isfinite(wall.friction)) slope += p.wall_slope[rule.parent];
+      if (rule.curved && (std::isinf(wall.friction) || p.wall_slope[rule.parent].isZero(0.0)))
+        slope += bent_stress<D>(wall, matrix_of<D>(p.stress[rule.parent]));
       const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, slope);
       node.flux += 2.0 * reach * (wall.share * slope) * row.transpose();
       if (std::isinf(wall.friction)) continue;
@@ -174,7 +312,7 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       // Slipping soil is mirrored along the wall as at a roller, so that only friction resists soil that spreads on the
       // wall.
       const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
-      node.flux += rule.slip * nodes[rule.parent].flux * along;
+      if (near.views.offset.empty()) node.flux += rule.slip * nodes[rule.parent].flux * along;
       node.gradient += rule.slip * nodes[rule.parent].gradient * along;
       node.deformation += rule.slip * nodes[rule.parent].deformation * along;
     }
@@ -197,6 +335,8 @@ template Boundaries<2> make_boundaries<2>(const Case&, double);
 template Boundaries<3> make_boundaries<3>(const Case&, double);
 template void wrap_periodic<2>(const Boundaries<2>&, VecArray<2>&);
 template void wrap_periodic<3>(const Boundaries<3>&, VecArray<3>&);
+template void keep_before_walls<2>(const Boundaries<2>&, double, const Neighbourhood<2>&, Particles<2>&);
+template void keep_before_walls<3>(const Boundaries<3>&, double, const Neighbourhood<3>&, Particles<3>&);
 template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, const Particles<2>&,
                                      std::span<const char>, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,

@@ -1,20 +1,24 @@
-// Walls and periodic sides of the soil: planes that make images, and the rules by which images follow their parents.
+// Walls and periodic sides of the soil: planes and surfaces that make images, and the rules by which images follow
+// their parents.
 #pragma once
 
 #include "common/geometry/shapes.hpp"
+#include "common/geometry/surfaces.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 
 #include <algorithm>
+#include <memory>
 
 namespace poretwin::solid {
 
-/// All planes that make images of the soil.
+/// All walls and periodic sides that make images of the soil: planes or, in their place, surfaces.
 template <int D>
 struct Boundaries {
   enum class Kind { roller, fixed, frictional, periodic };
-  std::vector<sph::ImagePlane<D>> planes;  ///< plane k has boundary number k
-  std::vector<Kind> kinds;
-  ScalarArray friction;  ///< Coulomb's friction coefficient, of frictional planes
+  std::vector<sph::ImagePlane<D>> planes;    ///< plane k has boundary number k
+  std::shared_ptr<const Surfaces> surfaces;  ///< all walls, in place of planes, if any of them has a shape (3D)
+  std::vector<Kind> kinds;                   ///< by boundary number
+  ScalarArray friction;                      ///< Coulomb's friction coefficient, of frictional boundaries
   [[nodiscard]] bool any_frictional() const {
     return std::find(kinds.begin(), kinds.end(), Kind::frictional) != kinds.end();
   }
@@ -28,6 +32,12 @@ Boundaries<D> make_boundaries(const Case& scene, double margin);
 /// Moves particles that have left through a periodic side in through the opposite one.
 template <int D>
 void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions);
+
+/// Reflects particles that have passed through a wall since the lists were built, and takes away their velocity towards
+/// it. reach [m]: the farthest that they may lie in front of it afterwards.
+template <int D>
+void keep_before_walls(const Boundaries<D>& boundaries, double reach, const Neighbourhood<D>& near,
+                       Particles<D>& particles);
 
 /// Makes images and pair lists for the current positions. range [m]: kernel support plus skin; n_parts: parts of the
 /// rows for threads; asleep: see pair_up.

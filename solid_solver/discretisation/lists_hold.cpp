@@ -112,9 +112,12 @@ bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhoo
     const double square = moved_by(p, near, i).squaredNorm();
     if (!(square > 0.25 * setup.skin * setup.skin)) return true;  // values that are not finite are reported elsewhere
     still.store(false, std::memory_order_relaxed);
-    return square <= far * far && std::ranges::all_of(setup.boundaries.planes, [&](const auto& plane) {
-             return std::abs(plane.normal.dot(p.position[i] - plane.point)) >= reach;
-           });
+    if (square > far * far) return false;
+    if constexpr (D == 3)
+      if (setup.boundaries.surfaces) return !setup.boundaries.surfaces->come_near(p.position[i], reach);
+    return std::ranges::all_of(setup.boundaries.planes, [&](const auto& plane) {
+      return std::abs(plane.normal.dot(p.position[i] - plane.point)) >= reach;
+    });
   });
   if (!near_enough || still) return near_enough;
   const Tiles<D> tiles(near, reach + points::tile_reach * setup.skin);

@@ -297,11 +297,69 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   for_rows(pairs, n_free, pairs.size(), [&](Size i) { force[i] = {}; });
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                   \
-  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);               \
-  template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                        \
-  template VecArray<D> pressure_gradient_difference<D>(const State<D>&, std::span<const double>);                 \
-  template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size, \
+template <int D>
+void refit_deformation(const Particles<D>& p, const Neighbourhood<D>& near, double h, std::vector<Node<D>>& nodes) {
+  if (near.behind_curved.empty() || nodes.size() < p.size()) return;
+  struct Fit {
+    Mat<D> gradient = Mat<D>::Zero(), moment = Mat<D>::Zero();
+  };
+  std::vector<Index> place(p.size(), 0);
+  std::vector<Fit> fits(1);
+  for (const auto& behind : near.behind_curved) {
+    Index& at = place[near.images[behind.image].parent];
+    if (at != 0) continue;
+    at = static_cast<Index>(fits.size());
+    fits.emplace_back();
+  }
+  for_each_ordered_pair(near.pairs, [&](Size i, Size j, Size) {
+    if (place[i] == 0 || j >= p.size()) return;
+    const Vec<D> r = p.position[i] - p.position[j];
+    const Vec<D> w = p.volume[j] * sph::WendlandC2<D>::derivative_over_r(r.norm(), h) * r;
+    Fit& fit = fits[place[i]];
+    fit.gradient += (p.displacement[j] - p.displacement[i]) * w.transpose();
+    fit.moment -= r * w.transpose();
+  });
+  for (Size i = 0; i < p.size(); ++i)
+    if (place[i] != 0 && fits[place[i]].moment(0, 0) > 0.0)
+      nodes[i].deformation = fits[place[i]].gradient * invert_moment<D>(fits[place[i]].moment);
+}
+
+template <int D>
+void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const Kernels& kernel,
+               const VecArray<D>& slip, std::vector<Force<D>>& force) {
+  const Views& views = near.views;
+  if (views.first.empty()) return;
+  const Size n = near.pairs.size();
+  parallel_for(views.first.size() - 1, [&](Size group) {
+    for (Size k = views.first[group]; k < views.first[group + 1]; ++k) {
+      const ImageRule<D>& rule = near.images[k];
+      const Node<D>& image = nodes[n + k];
+      const Mat<D> back = rule.velocity.transpose();
+      Vec<D> sum = Vec<D>::Zero();
+      for (Size m = views.offset[k]; m < views.offset[k + 1]; ++m) {
+        const auto [i, pair] = views.view[m];
+        const Vec<D> w = nodes[i].volume * static_cast<double>(kernel[pair]) * (nodes[i].position - image.position);
+        const Vec<D> pull = nodes[i].flux * w;
+        sum += back * pull;
+        if (!rule.slips || rule.n_crossings > 1 || slip[i].isZero(0.0)) continue;
+        // Slipping soil is mirrored along the wall (fill_nodes).
+        const Vec<D>& normal = rule.crossings[0].normal;
+        const Vec<D> along = nodes[i].flux * (w - normal.dot(w) * normal);
+        sum += 2.0 * (along - normal.dot(along) * normal);
+      }
+      Eigen::Map<Vec<D>>(force[rule.parent].sum.x.data()) -= image.volume / nodes[rule.parent].volume * sum;
+    }
+  });
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                                        \
+  template void refit_deformation<D>(const Particles<D>&, const Neighbourhood<D>&, double, std::vector<Node<D>>&);     \
+  template void pull_back<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const Kernels&, const VecArray<D>&, \
+                             std::vector<Force<D>>&);                                                                  \
+  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);                    \
+  template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                             \
+  template VecArray<D> pressure_gradient_difference<D>(const State<D>&, std::span<const double>);                      \
+  template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size,      \
                                   double, const Stabilisers&, Kernels&, std::vector<Force<D>>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -98,6 +98,22 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                     std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
                     std::vector<Force<D>>& force);
 
+/// The part of the internal force that particles bear as parents of images behind walls of any shape, added to `force`:
+/// a particle i that sees an image of j pulls at j by the adjoint of the image's velocity map T,
+///   f_j -= sum_i V_i (V_j' / V_j) T^T (sigma_i B_i) grad W_ij',
+/// with the image's volume V'. Behind planes this is the mirrored stress of the images of i that j sees. slip: see
+/// Particles.
+template <int D>
+void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const Kernels& kernel,
+               const VecArray<D>& slip, std::vector<Force<D>>& force);
+
+/// Sets the gradient of the displacement at particles with images behind curved walls anew, from the displacements of
+/// the particles around them alone, exact for linear fields. Integrated in time it would drift as soil slides along
+/// such walls, and with it the stiffness against hourglass modes.
+template <int D>
+void refit_deformation(const Particles<D>& particles, const Neighbourhood<D>& near, double h,
+                       std::vector<Node<D>>& nodes);
+
 /// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]. It makes close pairs in tension repel each other:
 ///   f_i = sum_j V_j (W(r)/W(dx))^n (R_i + R_j) grad W_ij, n = 2.55,
 /// with R = -epsilon times the tensile part of the stress. Added to `force` for the free particles.

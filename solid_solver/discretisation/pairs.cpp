@@ -73,9 +73,28 @@ void append(const Rows& rows, std::size_t row, std::size_t count, Pairs& pairs) 
 
 }  // namespace
 
+void list_views(const Pairs& pairs, std::span<const Index> parents, Views& views) {
+  const std::size_t n = pairs.size();
+  const auto for_each_view = [&](const auto& visit) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m)
+        if (pairs.index[m] >= n) visit(pairs.index[m] - n, Views::View{static_cast<Index>(i), static_cast<Index>(m)});
+  };
+  views.offset.assign(parents.size() + 1, 0);
+  for_each_view([&](std::size_t k, Views::View) { ++views.offset[k + 1]; });
+  for (std::size_t k = 0; k < parents.size(); ++k) views.offset[k + 1] += views.offset[k];
+  views.view.resize(views.offset.back());
+  std::vector<Index> next(views.offset.begin(), views.offset.end() - 1);
+  for_each_view([&](std::size_t k, Views::View view) { views.view[next[k]++] = view; });
+  views.first.clear();
+  for (std::size_t k = 0; k < parents.size(); ++k)
+    if (k == 0 || parents[k] != parents[k - 1]) views.first.push_back(static_cast<Index>(k));
+  views.first.push_back(static_cast<Index>(parents.size()));
+}
+
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, std::span<const char> asleep, Pairs& pairs) {
+             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs) {
   sph::CellGrid<D> particles, images;
   particles.build(positions.first(n_real), range);
   images.build(positions.subspan(n_real), range);
@@ -98,7 +117,13 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   };
   auto append_images = [&](std::size_t i, std::vector<Index> & index) __attribute__((always_inline)) {
     const std::size_t begin = index.size();
-    images.append_within(positions[i], range, index, from(0));
+    if (originals.empty())
+      images.append_within(positions[i], range, index, from(0));
+    else
+      images.append_within(positions[i], range, index, [&](Index m, double) {
+        const Vec<D>&original = positions[originals[m]], &image = positions[n_real + m];
+        return (original - image).dot(2.0 * positions[i] - original - image) > 0.0;
+      });
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
   // A pair of a moving and a still particle (fixed or asleep) stands in the row of the moving one.
@@ -180,8 +205,8 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
 }
 
 template void pair_up<2>(std::span<const Vec<2>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
-                         Pairs&);
+                         std::span<const Index>, Pairs&);
 template void pair_up<3>(std::span<const Vec<3>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
-                         Pairs&);
+                         std::span<const Index>, Pairs&);
 
 }  // namespace poretwin::solid

@@ -24,6 +24,20 @@ struct Pairs {
   [[nodiscard]] std::size_t n_parts() const { return part.size() - 1; }
 };
 
+/// Which particles have images in their rows, in the order of the images: of image k the views view[offset[k]] ..
+/// view[offset[k + 1] - 1]. The images of one parent follow each other; parent p's are first[p] .. first[p + 1] - 1,
+/// where p counts only particles that have any. Empty where images are symmetric in pairs, as behind planes.
+struct Views {
+  struct View {
+    Index row, pair;  ///< particle, and index of the pair in the list
+  };
+  std::vector<Index> offset, first;
+  std::vector<View> view;
+};
+
+/// Lists the views of images whose parents are given, in ascending order.
+void list_views(const Pairs& pairs, std::span<const Index> parents, Views& views);
+
 /// Calls visit(i) for the rows from `first` to `last` - 1 that are not skipped, with the parts in parallel.
 template <class Visit>
 void for_rows(const Pairs& pairs, std::size_t first, std::size_t last, Visit&& visit) {
@@ -59,9 +73,10 @@ void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
 /// Lists the pairs closer than range [m] among the first n_real positions, which are particles, and with the rest,
 /// which are images. Particles from n_free on are fixed. The free ones i with asleep[i] != 0 sleep (asleep is empty
 /// where none does). Fixed particles without moving ones within range have empty rows; rows of such sleeping ones are
-/// marked as skipped. The rows are divided into n_parts parts of similar work.
+/// marked as skipped. The rows are divided into n_parts parts of similar work. originals: where not empty, the particle
+/// of each image; the image is then seen only from its original's side of the plane midway between the two.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, std::span<const char> asleep, Pairs& pairs);
+             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs);
 
 }  // namespace poretwin::solid

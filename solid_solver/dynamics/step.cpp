@@ -19,9 +19,9 @@ template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   Particles<D>& p = state.particles;
   wrap_periodic<D>(setup.boundaries, p.position);
-  for (std::size_t i = 0; i < p.free(); ++i)
-    sph::keep_inside<D>(setup.boundaries.planes, setup.spacing, p.position[i], p.velocity[i]);
+  keep_before_walls<D>(setup.boundaries, setup.spacing, state.near, p);
   build_neighbourhood<D>(setup.boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
+  refit_deformation<D>(p, state.near, setup.smoothing_length, state.nodes);
   state.rebuilds += 1.0;
   if (state.near.pairs.skipped.empty()) return;
   fill_nodes<D>(p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers, state.nodes);
@@ -52,6 +52,7 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
                     setup.stabilisers, state.kernel, state.force);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
+  pull_back<D>(state.nodes, state.near, state.kernel, state.particles.slip, state.force);
   if (setup.stabilisers.artificial_stress > 0.0) {
     VecArray<D> repelling(n_free, Vec<D>::Zero());
     add_artificial_stress<D>(state, setup.stabilisers.artificial_stress, setup.spacing, setup.smoothing_length,

@@ -79,10 +79,23 @@ AlongWall<D> along_wall(const State<D>& state, std::size_t i, const Drive<D>& dr
   return out;
 }
 
-/// Calls visit(i, wall, normal, distance [m]) for particles nearer to a frictional wall than a spacing.
+/// Calls visit(i, friction coefficient, normal, distance [m]) for particles nearer to a frictional wall than a spacing.
 template <int D, class Visit>
 void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit) {
   const Boundaries<D>& walls = setup.boundaries;
+  if (walls.surfaces) {
+    // A particle touches where an image by one wall alone mirrors it.
+    for (const ImageRule<D>& image : state.near.images) {
+      const Crossing<D>& wall = image.crossings[0];
+      if (image.n_crossings != 1 || std::isinf(wall.friction) || image.parent >= state.particles.free() ||
+          state.regions.sleeps(image.parent))
+        continue;
+      const double distance = wall.normal.dot(state.nodes[image.parent].position) - wall.level;
+      if (distance >= 0.0 && distance < setup.spacing)
+        visit(std::size_t{image.parent}, wall.friction, wall.normal, distance);
+    }
+    return;
+  }
   for (std::size_t k = 0; k < walls.planes.size(); ++k) {
     if (walls.kinds[k] != Boundaries<D>::Kind::frictional) continue;
     const Vec<D>& normal = walls.planes[k].normal;
@@ -90,7 +103,8 @@ void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit)
       if (state.regions.sleeps(i)) continue;
       const Vec<D>& x = state.nodes[i].position;  // the kernels'
       const double distance = normal.dot(x - walls.planes[k].point);
-      if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].faces(x)) visit(i, k, normal, distance);
+      if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].faces(x))
+        visit(i, walls.friction[k], normal, distance);
     }
   }
 }
@@ -102,7 +116,7 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
   Particles<D>& p = state.particles;
   if (p.slip.empty()) return;
   const double h = setup.smoothing_length;
-  for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double) {
+  for_each_touch(setup, state, [&](std::size_t i, double friction, const Vec<D>& normal, double) {
     if (p.slip[i].isZero(0.0)) return;
     const double alpha = p.rubbing[i] > 0.0F ? setup.stabilisers.collision : setup.stabilisers.artificial;
     const double beta = p.rubbing[i] > 0.0F ? 0.0 : setup.stabilisers.quadratic;
@@ -116,7 +130,7 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
       lift -= (alpha * setup.stabilisers.sound_speed + beta * h * closing) * h * closing * weight.dot(normal);
     });
     const Vec<D> along = p.velocity[i] - normal.dot(p.velocity[i]) * normal;
-    const double speed = along.norm(), most = setup.boundaries.friction[wall] * lift * dt;
+    const double speed = along.norm(), most = friction * lift * dt;
     if (lift > 0.0 && speed > 0.0) p.velocity[i] -= std::min(1.0, most / speed) * along;
   });
 }
@@ -128,10 +142,10 @@ void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, Sta
   auto& touches = state.scratch.touches;
   touches.assign(p.free(), 0);
   std::fill(p.wall_slope.begin(), p.wall_slope.end(), Vec<D>::Zero());
-  for_each_touch(setup, state, [&](std::size_t i, std::size_t, const Vec<D>& normal, double) {
+  for_each_touch(setup, state, [&](std::size_t i, double, const Vec<D>& normal, double) {
     p.wall_slope[i] += divergence_along(state, i, normal);
   });
-  for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double distance) {
+  for_each_touch(setup, state, [&](std::size_t i, double friction, const Vec<D>& normal, double distance) {
     const double effect = effect_of_slip(state, i, normal);
     if (effect > -walls::touches_from / setup.spacing) return;
     touches[i] = 1;
@@ -145,7 +159,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, Sta
     const double resistance = stiffness + reach * moves.resistance;  // Pa s/m, of the traction against slip
     const Vec<D> force = tangential(moves.force);
     const WallShear<D> stuck{found.traction + stiffness * before + reach * force, found.pressure};
-    const double excess = stuck.excess(setup.boundaries.friction[wall]);
+    const double excess = stuck.excess(friction);
     const bool pressed = found.pressure > 0.0;
     const Vec<D> slip = pressed ? Vec<D>((excess / resistance) * stuck.traction) : tangential(p.velocity[i]);
     const Vec<D> change = pressed ? Vec<D>(stiffness * (before - slip)) : Vec<D>(-found.traction);

@@ -28,7 +28,7 @@ coupling::Publication published(const Setup<D>& setup, const State<D>& state, Po
       x = reference_position(setup, state, i);
     else
       x = images[i - n].map * reference_position(setup, state, images[i - n].parent) + images[i - n].shift;
-    out.points.volume[i] = p.volume[parent(i)];
+    out.points.volume[i] = i < n ? p.volume[i] : p.volume[parent(i)] * images[i - n].swelling;
     out.points.smoothing_length[i] = setup.smoothing_length;
     out.points.owner[i] = static_cast<double>(parent(i));
   }

@@ -45,7 +45,14 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
           -volume(i) * volume(parent) * sph::WendlandC2<D>::derivative_over_r(distance, setup.smoothing_length) * form;
       add(i, i, strength);
       if (parent >= n_free) return;
-      add(i, parent, j < n ? -strength : -strength * near.images[j - n].velocity(axis, axis));
+      const double coupling = j < n ? -strength : -strength * near.images[j - n].velocity(axis, axis);
+      if (j < n || !near.images[j - n].curved) {
+        add(i, parent, coupling);
+        return;
+      }
+      // Behind a curved wall the image of one particle of a pair is not as far away as that of the other.
+      add(i, parent, 0.5 * coupling);
+      add(parent, i, 0.5 * coupling);
     });
     Matrix matrix(static_cast<Eigen::Index>(n_free), static_cast<Eigen::Index>(n_free));
     matrix.setFromTriplets(entries.begin(), entries.end());

@@ -3,11 +3,16 @@
 
 #include "common/case/bodies.hpp"
 #include "fluid_solver/fluid_phase.hpp"
+#include "solid_solver/phase.hpp"
+#include "tests/coupling/coupled_run.hpp"
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace poretwin::fluid {
 namespace {
@@ -222,6 +227,56 @@ TEST(ShapedWalls, HoldOrLetSlipWaterThatRunsAlongThem) {
   }
   EXPECT_NEAR(left[Wall::ForWater::free_slip], 1.0, 0.002);
   EXPECT_NEAR(left[Wall::ForWater::no_slip], exact, 0.1 * exact);
+}
+
+TEST(ShapedWalls, HoldSaturatedSoilAtRest) {
+  // A turned box with gravity across its bottom: soil and water lie on rows, and nothing may move.
+  constexpr double dx = 0.05, turn = 25.0, soil_height = 0.4, water_height = 0.6;
+  const Point3 axis(1.0, 2.0, 0.5), shift(0.3, -0.2, 0.1);
+  const auto turned = [&](const Point3& max) {
+    Shape shape = block(Point3::Zero(), max);
+    shape.placement = Placement{1.0, turn, axis, shift};
+    return shape;
+  };
+  const Mat<3> turning = Eigen::AngleAxisd(turn * std::numbers::pi / 180.0, axis.normalized()).toRotationMatrix();
+  Case scene =
+      tank({wall_of(turned(Point3(0.3, 0.3, 1.0)), Wall::Domain::inside)}, turned(Point3(0.3, 0.3, water_height)), dx);
+  scene.general.gravity = turning * Point3(0.0, 0.0, -g);
+  scene.general.end_time = 0.05;
+  scene.solid.model = SolidCase::Model::elastic;
+  scene.solid.particle_spacing = dx;
+  Soil soil;
+  soil.shape = turned(Point3(0.3, 0.3, soil_height));
+  soil.porosity = 0.4;
+  soil.grain_density = 2600.0;
+  soil.youngs_modulus = 3e6;
+  soil.poissons_ratio = 0.3;
+  soil.hydraulic_conductivity = 1e-3;
+  scene.soils = {soil};
+  make_solids(scene, {});
+  Fluid<3> fluid(scene);
+  solid::Solid<3> skeleton(scene);
+  coupling::CoupledRun run;
+  run.dimension = 3;
+  run.broker.case_digest = scene.digest();
+  run.settings = {scene.general.end_time, std::nullopt, 0.0, 0.0};
+  run.run(&fluid, &skeleton);
+  run.expect_success();
+  const auto height = [&](const Point3& x) { return (turning.transpose() * (x - shift)).z(); };
+  const auto& water = fluid.state().particles;
+  for (std::size_t a = 0; a < water.size(); ++a) {
+    EXPECT_NEAR(water.pressure[a], 0.0, 1e-3 * 1000.0 * g * water_height);  // piezometric, from the free surface
+    EXPECT_LT(water.velocity[a].norm(), 1e-5);
+  }
+  const auto& grains = skeleton.state().particles;
+  const double weight = 0.6 * 1600.0 * g;  // buoyant, N/m3
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const Point3 up = turning.col(2);
+    if (soil_height - height(grains.position[i]) < 3.0 * dx) continue;  // rows below the surface alternate by 3 %
+    const double vertical = up.dot(solid::matrix_of<3>(grains.stress[i]) * up),
+                 exact = -weight * (soil_height - height(Point3(grains.position[i] - grains.displacement[i])));
+    EXPECT_NEAR(vertical, exact, 0.01 * weight * soil_height);
+  }
 }
 
 }  // namespace
