@@ -40,6 +40,10 @@ void Solid<D>::initialise(const Inbox& inbox) {
   }
   store_water_force(setup_, gradient_of(setup_, state_, state_.external.pressure, state_.time), {}, 1.0, state_);
   start_counting(state_);
+  // Soil that the case draws in motion is followed from the first window on. A search for equilibrium would stop it.
+  const auto is_moving = [](const Vec<D>& v) { return !v.isZero(0.0); };
+  if (setup_.coupling.coupled && std::ranges::any_of(state_.particles.velocity, is_moving))
+    state_.motion.begins(long_window(setup_));
 }
 
 template <int D>
