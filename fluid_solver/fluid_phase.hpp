@@ -52,7 +52,7 @@ class Fluid final : public Phase {
   State<D> state_, saved_;
   Faces<D> faces_;
   Walls<D> walls_;
-  double first_interval_ = 0.0;  ///< s, shortest window that a change of pressure can require; 0: not known yet
+  double first_interval_ = 0.0;  ///< s, first window beside soil that moves; 0: not known yet
   Passes<D> passes_;             ///< of the present window
 };
 

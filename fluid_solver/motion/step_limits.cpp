@@ -78,8 +78,7 @@ bool load_begins(const Setup<D>& setup, double time) {
   });
 }
 
-/// The shortest window that a change of pressure can require is half the time in which the soil's waves pass a
-/// spacing.
+/// The first window is a fifth of the time in which the soil's waves pass a spacing.
 ///
 /// In elastic soil that is wet from the start, the first window is a fifth of the time in which a spacing drains, where
 /// that is longer. Before, the water holds the grains, and only shear moves, for which the solid refuses such a long
@@ -97,7 +96,7 @@ void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interv
                         n[a] * n[a] * view.modulus[a] / (view.drag[a] * setup.spacing * setup.spacing));  // c_v / dx^2
   }
   if (!setup.responds || stiffest <= 0.0) return;
-  first_interval = steps::shortest_in_waves * setup.spacing / std::sqrt(stiffest / setup.density);
+  first_interval = steps::first_wave * setup.spacing / std::sqrt(stiffest / setup.density);
   state.controlled = std::max(first_interval, interval > 0.0 ? interval
                                               : drains > 0.0 ? steps::first_drained / drains
                                                              : 0.0);
@@ -133,7 +132,7 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
       state.pressure_change > 0.0 ? interval * steps::wanted_change / state.pressure_change : HUGE_VAL;
   const double least =
       steps::shrinks_to * std::min(interval, state.controlled);  // something else may have limited this window
-  state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled), first_interval);
+  state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled), steps::shortest_over_first * first_interval);
 }
 
 /// Limit of the next window where all water seeps, since its particles' motion is extrapolated from two windows. Noise

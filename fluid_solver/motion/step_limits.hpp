@@ -24,7 +24,7 @@ template <int D>
 bool load_begins(const Setup<D>& setup, double time);
 
 /// Starts the control of windows by the change of pressure. interval [s]: length of the window in which the soil first
-/// responds, 0 before it; first_interval [s]: is set to the shortest window that the control may require.
+/// responds, 0 before it; first_interval [s]: is set to the length of the first window.
 template <int D>
 void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
                    double& first_interval);

@@ -63,8 +63,8 @@ coupling::Publication published(const Setup<D>& setup, const State<D>& state, Po
   scalars(field::grain_density, [&](std::size_t i) { return setup.grain_density[p.material[i]]; });
   scalars(field::constrained_modulus, [&](std::size_t i) {
     const Elasticity elasticity = moduli(setup, p, i);
-    if (!state.yielded[i]) return elasticity.constrained();
-    return state.motion.moving ? exchange::modulus_in_motion * elasticity.constrained() : elasticity.yielding();
+    if (state.motion.moving) return exchange::modulus_in_motion * elasticity.constrained();
+    return state.yielded[i] ? elasticity.yielding() : elasticity.constrained();
   });
   scalars(field::yielding, [&](std::size_t i) { return state.plastic_shear_ratio[i]; });
   const auto& seepage = cache.seepage(setup, state);

@@ -12,10 +12,11 @@ inline constexpr double full_saturation = 0.95;
 /// Unit: 1. Test: none known.
 inline constexpr double least_seen = 1e-6;
 
-/// Constrained modulus that the soil reports where it yields in motion, over the elastic one. The water's prediction
-/// resists every deformation with it, also shear at constant volume, which yielding soil hardly resists. A prediction
-/// that is more than twice too stiff overshoots in every window: with 0.6 the pressure in a bed beside a column of water
-/// goes back and forth by 30 kPa. One that is too soft needs some more windows to follow the soil.
+/// Constrained modulus that the soil reports in motion, over the elastic one. The water's prediction resists every
+/// deformation with it, also shear at constant volume, which elastic soil resists with its shear modulus (0.29 of the
+/// constrained one at a Poisson's ratio of 0.3) and yielding soil hardly. A prediction that is more than twice too stiff
+/// overshoots in every window: with 0.6 the pressure in yielding soil beside a column of water goes back and forth by
+/// 30 kPa, with 0.5 shear waves in elastic soil grow. One that is too soft needs some more windows to follow the soil.
 /// Unit: 1. Test: Submerged.PressureUnderSoilThatFlowsDoesNotAlternate (untried).
 inline constexpr double modulus_in_motion = 0.3;
 
