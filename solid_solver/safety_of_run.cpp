@@ -3,7 +3,7 @@
 #include "common/core/error.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
-#include "common/geometry/shapes.hpp"
+#include "common/geometry/pieces.hpp"
 #include "common/output/run_recorder.hpp"
 #include "common/output/safety_row.hpp"
 #include "solid_solver/output/failing_mass.hpp"
@@ -32,20 +32,17 @@ std::string cell(std::string name) {
 }
 
 /// Name of the water face nearest to x [m] (2D); empty where no named face is there.
-template <int D>
-std::string nearest_face(const Case& scene, const Vec<D>& x) {
+std::string nearest_face(const Case& scene, const Point3& x) {
   std::string name;
-  if constexpr (D == 2) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto& face : scene.water_faces)
-      for (const auto& piece : planes_of<2>(face.face, 0, 0.0)) {
-        const double along = std::clamp(piece.tangent.dot(x), piece.from, piece.to);
-        const double distance = (piece.at(along) - x).norm();
-        if (!(distance < nearest)) continue;
-        nearest = distance;
-        name = face.name;
-      }
-  }
+  if (scene.general.dimension != 2) return name;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& face : scene.water_faces)
+    for (const auto& piece : pieces_of(face.face)) {
+      const double distance = distance_from(piece, x);
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      name = face.name;
+    }
   return name;
 }
 
@@ -60,7 +57,7 @@ std::string row_of(const Case& scene, const Setup<D>& setup, std::size_t frame, 
   centre.head<D>() = failing->centre;
   towards.head<D>() = failing->towards;
   row += fmt::format("{},{},{:.6g},{:.6g}", cell(scene.soils[failing->soil].name),
-                     cell(nearest_face<D>(scene, failing->centre)), failing->share, failing->volume);
+                     cell(nearest_face(scene, centre)), failing->share, failing->volume);
   centre += scene.general.origin;
   for (const auto& vector : {centre, towards})
     for (int d = 0; d < 3; ++d) row += fmt::format(",{:.6g}", vector[d]);
@@ -82,12 +79,10 @@ OutputFrame shown(const Setup<D>& setup, const State<D>& state, const FactorOfSa
                             return i < found.failing_strain.size() ? found.failing_strain[i] : 0.0;
                           })});
   frame.fields.push_back({{"failing_displacement", "m", "displacement of the soil that fails, likewise", 3},
-                          [&found](std::size_t i, double* numbers) {
-                            for (int d = 0; d < 3; ++d)
-                              numbers[d] = d < D && i < found.failing_displacement.size()
-                                               ? found.failing_displacement[i][d]
-                                               : 0.0;
-                          }});
+                          tell_vectors_by<D>([&found](std::size_t i) -> Vec<D> {
+                            if (i < found.failing_displacement.size()) return found.failing_displacement[i];
+                            return Vec<D>::Zero();
+                          })});
   return frame;
 }
 

@@ -125,11 +125,12 @@ struct Crossing {
   Mat<D> bend = Mat<D>::Zero();  ///< 1/m, derivative of the normal along a curved wall (docs/theory/walls.md)
 };
 
+enum class BoundaryKind { roller, fixed, frictional, periodic };
+
 /// A wall behind which an image lies, as its parent saw it when the lists were built.
 template <int D>
 struct Passed {
-  enum class Kind { roller, fixed, frictional };
-  Kind kind = Kind::roller;
+  BoundaryKind kind = BoundaryKind::roller;
   double friction = 0.0;                                       ///< Coulomb's coefficient, of frictional walls
   Vec<D> normal = Vec<D>::Zero(), point = Vec<D>::Zero();      ///< unit, into the soil; a point of the wall [m]
   Mat<D> bend = Mat<D>::Zero(), stretch = Mat<D>::Identity();  ///< see Surfaces::WallPoint

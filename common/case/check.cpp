@@ -299,7 +299,7 @@ class Checker : Complaints {
     };
     if (wall.shape) {
       Surfaces surfaces;
-      surfaces.add(wall.shape->solid, wall.domain == Wall::Domain::inside, 0);
+      surfaces.add(wall, 0);
       return std::ranges::any_of(points, [&](const Point3& x) {
         const auto around = surfaces.walls_near(x, spacing);
         return std::ranges::any_of(around.all(), [&](const Surfaces::WallPoint& point) {
@@ -678,10 +678,7 @@ class Checker : Complaints {
     Surfaces others;
     for (const Wall& other : scene_.walls) {
       if (&other == &wall || other.soil == Wall::ForSoil::none) continue;
-      if (other.shape)
-        others.add(other.shape->solid, other.domain == Wall::Domain::inside, 0);
-      else
-        others.add(other.face.point, other.face.normal.normalized(), 0);
+      others.add(other, 0);
     }
     const auto in_reach = [&](const Point3& x) {
       return (up.isZero() || up.dot(x) < top + least_thickness * dx) && others.holds(x);
@@ -710,10 +707,7 @@ class Checker : Complaints {
       const Wall& wall = scene_.walls[i];
       if (wall.soil == Wall::ForSoil::none) continue;
       any = any || wall.shape;
-      if (wall.shape)
-        walls.add(wall.shape->solid, wall.domain == Wall::Domain::inside, static_cast<int>(i));
-      else
-        walls.add(wall.face.point, wall.face.normal.normalized(), static_cast<int>(i));
+      walls.add(wall, static_cast<int>(i));
     }
     if (!any) return;
     const double dx = scene_.solid.particle_spacing;

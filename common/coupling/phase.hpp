@@ -39,12 +39,18 @@ struct OutputFrame {
   std::vector<OutputField> fields;
 };
 
-/// Components of an array with one vector per particle; z = 0 in 2D. The array must outlive the frame.
+/// Components of one vector per particle, value(i); z = 0 in 2D.
+template <int D, class Value>
+TellParticle tell_vectors_by(Value value) {
+  return [value](std::size_t i, double* numbers) {
+    const Vec<D> vector = value(i);
+    for (int d = 0; d < 3; ++d) numbers[d] = d < D ? vector[d] : 0.0;
+  };
+}
+/// The same of an array, which must outlive the frame.
 template <int D>
 TellParticle tell_vectors(const VecArray<D>& values) {
-  return [&values](std::size_t i, double* numbers) {
-    for (int d = 0; d < 3; ++d) numbers[d] = d < D ? values[i][d] : 0.0;
-  };
+  return tell_vectors_by<D>([&values](std::size_t i) { return values[i]; });
 }
 /// One number per particle.
 template <class Value>

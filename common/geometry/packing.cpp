@@ -108,7 +108,7 @@ void pack(const Solid& solid, double spacing, Lattice<3>& lattice) {
         if (j == a || (j >= n && !Surfaces::sees(x[a], x[images.parent[j - n]], all[j]))) return;
         const Vec<3> r = all[j] - x[a];
         const double distance = std::max(std::sqrt(r2), 1e-3 * spacing);
-        sum -= (j >= n && !swelling.empty() ? swelling[j - n] : 1.0) * lattice.volume *
+        sum -= (j >= n ? swelling[j - n] : 1.0) * lattice.volume *
                sph::WendlandC2<3>::derivative_over_r(distance, h) * r;
         sum += repulsion * std::max(0.0, nearest * spacing / distance - 1.0) / (spacing * spacing) * r;
       });

@@ -53,6 +53,13 @@ Mat<3> Surfaces::WallPoint::stretch() const {
   return axes * ((1.0 - bent) / (1.0 + bent)).matrix().asDiagonal() * axes.transpose();
 }
 
+void Surfaces::add(const Wall& wall, int boundary) {
+  if (wall.shape)
+    add(wall.shape->solid, wall.domain == Wall::Domain::inside, boundary);
+  else
+    add(wall.face.point, wall.face.normal.normalized(), boundary);
+}
+
 void Surfaces::add(std::shared_ptr<const Solid> solid, bool domain_inside, int boundary) {
   bodies_.push_back({std::move(solid), domain_inside, boundary});
 }

@@ -18,6 +18,8 @@ class Surfaces {
   void add(std::shared_ptr<const Solid> solid, bool domain_inside, int boundary);
   /// point [m] and normal (unit, into the domain) of a plane.
   void add(const Vec<3>& point, const Vec<3>& normal, int boundary);
+  /// The surface of a wall with a shape, the plane of any other.
+  void add(const Wall& wall, int boundary);
   [[nodiscard]] bool empty() const { return bodies_.empty() && planes_.empty(); }
 
   /// A point of a wall that acts as a mirror for a point x.

@@ -45,12 +45,7 @@ std::shared_ptr<const Surfaces> water_surfaces(const Case& scene) {
     return nullptr;
   auto surfaces = std::make_shared<Surfaces>();
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-    const Wall& wall = scene.walls[w];
-    if (!for_water(wall)) continue;
-    if (wall.shape)
-      surfaces->add(wall.shape->solid, wall.domain == Wall::Domain::inside, static_cast<int>(w));
-    else
-      surfaces->add(wall.face.point, wall.face.normal.normalized(), static_cast<int>(w));
+    if (for_water(scene.walls[w])) surfaces->add(scene.walls[w], static_cast<int>(w));
   }
   return surfaces;
 }

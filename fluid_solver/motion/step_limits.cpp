@@ -132,7 +132,8 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
       state.pressure_change > 0.0 ? interval * steps::wanted_change / state.pressure_change : HUGE_VAL;
   const double least =
       steps::shrinks_to * std::min(interval, state.controlled);  // something else may have limited this window
-  state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled), steps::shortest_over_first * first_interval);
+  state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled),
+                              steps::shortest_over_first * first_interval);
 }
 
 /// Limit of the next window where all water seeps, since its particles' motion is extrapolated from two windows. Noise

@@ -42,10 +42,8 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
                                                                : Kind::roller;
     if (!surfaces)
       add(planes_of<D>(wall.face, 0, 0.0), kind, wall.friction_angle);
-    else if (wall.shape)
-      surfaces->add(wall.shape->solid, wall.domain == Wall::Domain::inside, number(kind, wall.friction_angle));
     else
-      surfaces->add(wall.face.point, wall.face.normal.normalized(), number(kind, wall.friction_angle));
+      surfaces->add(wall, number(kind, wall.friction_angle));
   }
   meet_at_corners<D>(boundaries.planes, margin);
   if (boundaries.kinds.size() > 32)
@@ -57,14 +55,6 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
 
 namespace {
 
-template <int D>
-typename Passed<D>::Kind kind_of(const Boundaries<D>& boundaries, std::size_t k) {
-  using Kind = typename Boundaries<D>::Kind;
-  return boundaries.kinds[k] == Kind::fixed        ? Passed<D>::Kind::fixed
-         : boundaries.kinds[k] == Kind::frictional ? Passed<D>::Kind::frictional
-                                                   : Passed<D>::Kind::roller;
-}
-
 /// The planes behind which an image lies, in the order of its reflections; periodic sides need no correction.
 template <int D>
 void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::vector<Passed<D>>& passed) {
@@ -72,7 +62,7 @@ void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::ve
   for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
     if ((numbers >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic)
       passed.push_back(
-          {kind_of(boundaries, k), boundaries.friction[k], boundaries.planes[k].normal, boundaries.planes[k].point});
+          {boundaries.kinds[k], boundaries.friction[k], boundaries.planes[k].normal, boundaries.planes[k].point});
 }
 
 /// The points of surfaces at which an image is reflected, in this order.
@@ -81,7 +71,7 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
   passed.clear();
   for (const auto& wall : mirrors.all()) {
     const auto k = static_cast<std::size_t>(wall.boundary);
-    passed.push_back({kind_of(boundaries, k), boundaries.friction[k], wall.normal.template head<D>(),
+    passed.push_back({boundaries.kinds[k], boundaries.friction[k], wall.normal.template head<D>(),
                       wall.at.template head<D>(), wall.bend.template topLeftCorner<D, D>(),
                       wall.stretch().template topLeftCorner<D, D>()});
   }
@@ -91,7 +81,7 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
 /// walls reversed about the wall slip, v' = 2 s - v.
 template <int D>
 void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
-  using Kind = typename Passed<D>::Kind;
+  using Kind = BoundaryKind;
   for (const auto& wall : passed) {
     const Vec<D>& n = wall.normal;
     const bool curved = !wall.bend.isZero(0.0);
@@ -112,7 +102,7 @@ void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
 
 template <int D>
 void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
-  using Kind = typename Passed<D>::Kind;
+  using Kind = BoundaryKind;
   for (const auto& wall : passed) {
     if (rule.n_crossings == D) break;
     const Vec<D>& n = wall.normal;

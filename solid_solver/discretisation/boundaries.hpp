@@ -14,7 +14,7 @@ namespace poretwin::solid {
 /// All walls and periodic sides that make images of the soil: planes or, in their place, surfaces.
 template <int D>
 struct Boundaries {
-  enum class Kind { roller, fixed, frictional, periodic };
+  using Kind = BoundaryKind;
   std::vector<sph::ImagePlane<D>> planes;    ///< plane k has boundary number k
   std::shared_ptr<const Surfaces> surfaces;  ///< all walls, in place of planes, if any of them has a shape (3D)
   std::vector<Kind> kinds;                   ///< by boundary number

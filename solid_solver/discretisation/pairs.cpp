@@ -1,6 +1,7 @@
 #include "solid_solver/discretisation/pairs.hpp"
 
 #include "common/core/lanes.hpp"
+#include "common/geometry/surfaces.hpp"
 
 #include <array>
 #include <limits>
@@ -121,8 +122,7 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
       images.append_within(positions[i], range, index, from(0));
     else
       images.append_within(positions[i], range, index, [&](Index m, double) {
-        const Vec<D>&original = positions[originals[m]], &image = positions[n_real + m];
-        return (original - image).dot(2.0 * positions[i] - original - image) > 0.0;
+        return Surfaces::sees<D>(positions[i], positions[originals[m]], positions[n_real + m]);
       });
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };

@@ -28,10 +28,7 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
   add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1},
       tell_scalars([&state](std::size_t i) { return state.external.pressure[i]; }));
   add({"water_force", "N/m3", "force of the pore water on the skeleton: pressure, and the drag of steady flow", 3},
-      [&state, &setup](std::size_t i, double* numbers) {
-        const Vec<D> force = standing_water_force(setup, state, i);
-        for (int d = 0; d < 3; ++d) numbers[d] = d < D ? force[d] : 0.0;
-      });
+      tell_vectors_by<D>([&state, &setup](std::size_t i) { return standing_water_force(setup, state, i); }));
   if (!p.slipped.empty())
     add({"wall_slip", "m", "displacement that belongs to the soil's slip along frictional walls", 3},
         tell_vectors<D>(p.slipped));

@@ -10,7 +10,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// The soil at rest, with nothing left of how it came there but what frames tell (see factor_of_safety). water: force
+/// The soil at rest, with nothing left of how it came there but what frames hold (see factor_of_safety). water: force
 /// on each particle [N].
 template <int D>
 State<D> at_rest(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water) {

@@ -24,7 +24,7 @@ Vec<D> standing_water_force(const Setup<D>& setup, const State<D>& state, std::s
 
 /// The factor by which cohesion and tan(friction angle) of all soils can be divided until the soil finds no equilibrium
 /// (Griffiths & Lane 1999). Weight, loads and the water's forces of this instant act unchanged. water: these forces [N]
-/// on each particle. Every trial starts from the present stress, at rest. The factor follows from what frames tell of
+/// on each particle. Every trial starts from the present stress, at rest. The factor follows from what frames hold of
 /// the soil and from `water` alone: positions, displacements, volumes, stresses, plastic strains, state variables of
 /// the materials, saturations, coverage by water, and displacements along frictional walls. Empty where the run is
 /// interrupted meanwhile.

@@ -184,10 +184,10 @@ TEST_F(RealRun, SafetyBracketsTheFactorAndListsItsTrials) {
   const auto factor = read_gauges(out() / "gauges.csv").at("factor_of_safety").value.front();
   EXPECT_GT(factor, 1.4);
   EXPECT_LT(factor, 1.8);
-  const auto told = nlohmann::json::parse(text_of(folder_ / "safety.json"));
-  EXPECT_NEAR(told["factor"], factor, 1e-5);
-  EXPECT_EQ(told["trials"][0]["stands"], true);
-  EXPECT_LT(told["stands"], told["fails"]);
+  const auto written = nlohmann::json::parse(text_of(folder_ / "safety.json"));
+  EXPECT_NEAR(written["factor"], factor, 1e-5);
+  EXPECT_EQ(written["trials"][0]["stands"], true);
+  EXPECT_LT(written["stands"], written["fails"]);
   EXPECT_THAT(text_of(out() / "safety.csv"), HasSubstr("1,1,"));
   EXPECT_TRUE(fs::exists(out() / "F_1.0000" / "run.toml"));
 }
@@ -219,13 +219,13 @@ TEST_F(SafetyOfARun, IsWhatItsGaugeRead) {
   EXPECT_EQ(found.at("factor_of_safety").time, gauge.at("F").time);
   EXPECT_EQ(found.at("factor_of_safety").value, gauge.at("F").value);
   EXPECT_EQ(found.at("factor_of_safety_error").value, gauge.at("F_error").value);
-  const auto told = nlohmann::json::parse(text_of(folder_ / "safety.json"));
-  ASSERT_EQ(told["instants"].size(), 3U);
-  EXPECT_NEAR(told["instants"][2]["factor"], gauge.at("F").value.back(), 1e-7);
-  EXPECT_EQ(told["instants"][2]["failing"]["soil"], "dam");
+  const auto written = nlohmann::json::parse(text_of(folder_ / "safety.json"));
+  ASSERT_EQ(written["instants"].size(), 3U);
+  EXPECT_NEAR(written["instants"][2]["factor"], gauge.at("F").value.back(), 1e-7);
+  EXPECT_EQ(written["instants"][2]["failing"]["soil"], "dam");
   // Filled to eight of ten metres, the dam fails on the dry side.
-  EXPECT_EQ(told["instants"][2]["failing"]["face"], "downstream slope");
-  EXPECT_GT(told["instants"][2]["failing"]["towards"][0], 0.5);
+  EXPECT_EQ(written["instants"][2]["failing"]["face"], "downstream slope");
+  EXPECT_GT(written["instants"][2]["failing"]["towards"][0], 0.5);
   EXPECT_THAT(text_of(out() / "safety" / "safety.csv"), HasSubstr("\n2,864000,"));
   EXPECT_EQ(steps_in(out() / "safety" / "solid.vtkhdf").size(), 3U);
 }
