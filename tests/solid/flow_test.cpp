@@ -264,6 +264,26 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   EXPECT_GT(left, 0.0);
 }
 
+TEST(RegularFlow, EvensOutVolumesOfDrySoilOnly) {
+  const Case scene = layer(0.0, 0.0);
+  Solid<2> solid(scene);
+  const auto [setup, unused] = set_up<2>(scene);
+  State<2> state = solid.state();
+  auto& p = state.particles;
+  std::fill_n(p.plastic_strain.begin(), p.free(), 1.0);
+  for (auto& node : state.nodes) node.gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
+  const double before = p.volume[44];
+  const auto swollen = [&](double coverage) {
+    State<2> treated = state;
+    treated.external.coverage = ScalarArray(p.size(), coverage);
+    treated.particles.volume[44] = 1.01 * before;
+    keep_flow_regular<2>(setup, 1.0, false, treated);
+    return treated.particles.volume[44] / before - 1.0;
+  };
+  EXPECT_LT(swollen(0.0), 0.009);
+  EXPECT_NEAR(swollen(1.0), 0.01, 1e-12);
+}
+
 TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
   Case scene = layer(0.0, 0.0);
   scene.soils[0].cohesion = 2000.0;  // the disturbance itself is within the cone
