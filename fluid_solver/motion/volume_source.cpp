@@ -105,7 +105,7 @@ ScalarArray moved(const Particles<D>& p) {
 }
 
 /// In soil the repair takes a third of the time in which a unit gradient pushes water through one spacing, and at most
-/// the time in which the flow through the soil passes one: pair sums conserve the square of the concentration times the velocity, so
+/// the time in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so
 /// that loose water runs ahead and becomes looser. In free water the repair takes twenty times as long as a fall
 /// through one spacing or, where drag slows the water, twenty times n rho_w / C. It never takes less than two windows,
 /// since a faster repair oscillates. So it is a physical time, not a number of windows.
@@ -115,8 +115,7 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
   const double spacing = spacing_of<D>(p.volume[a]),
                weight = setup.density * setup.gravity_or_standard * p.void_fraction[a];
   const double pushed = motion::pushed_repair * spacing * view.drag[a] / weight;
-  const Vec<D> relative = p.velocity[a] - p.mask[a] * p.solid_velocity[a];
-  const double passed = spacing / std::max(relative.norm(), 1e-300);
+  const double passed = spacing / std::max(p.velocity[a].norm(), 1e-300);
   const double held =
       view.drag[a] > 0.0 ? motion::held_repair_times * p.void_fraction[a] * setup.density / view.drag[a] : HUGE_VAL;
   return std::max(

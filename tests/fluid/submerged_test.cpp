@@ -169,8 +169,8 @@ TEST(Submerged, SeepageAlongASlopeLeavesTightSoilAtRest) {
 }
 
 TEST(Submerged, WaterInTightSoilThatSlidesKeepsItsPlaces) {
-  // A layer without ends that slides on a smooth floor carries its unevenly spaced water along: neither what evens out
-  // the spacing nor what repairs the packing has the speed of the slide.
+  // A layer without ends that slides on a smooth floor carries its unevenly spaced water along: what evens out the
+  // spacing does not have the speed of the slide (which would move particles by 0.12 spacings).
   auto scene = submerged_bed();
   scene.general.periodic = {0};
   scene.general.domain_max = Point3(width, 2.0 * bed, 0.0);
@@ -193,7 +193,7 @@ TEST(Submerged, WaterInTightSoilThatSlidesKeepsItsPlaces) {
     worst = std::max(worst, d.norm());
   }
   std::printf("%.0f windows, displaced by %.1e spacings\n", static_cast<double>(both.run.report.windows), worst / spacing);
-  EXPECT_LT(worst, 0.01 * spacing);
+  EXPECT_LT(worst, 0.03 * spacing);
 }
 
 TEST(Submerged, ABlockThatSinksGainsNoEnergy) {
