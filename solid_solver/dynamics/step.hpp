@@ -13,6 +13,7 @@ struct Drive {
   ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v) by which the soil
                                  ///< tracks the fluid's prediction: bulk volume V, impedance Z (exchange/tracking.hpp)
   VecArray<D> target;            ///< m/s, target velocity of each particle
+  std::vector<PlateOrder<D>> plates;  ///< what the plates are to do; empty: they stand still
   double damping = 0.0;          ///< 1/s, damping rate of all soil
   double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while others flow
 };

@@ -38,7 +38,7 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   return force;
 }
 
-/// Reference acceleration [m/s2]: gravity, or the forces from outside per mass, spread over the soil's height, if
+/// Reference acceleration [m/s2]: gravity, or the forces from outside and of plates per mass, spread over the soil's height, if
 /// larger.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
@@ -46,6 +46,11 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     reference = std::max(reference,
                          force_from_outside(drive, i).norm() / state.particles.mass[i] * setup.spacing / setup.height);
+  for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+    const double pressed = std::max(drive.plates.empty() ? 0.0 : std::abs(drive.plates[k].force),
+                                    state.particles.plates[k].reaction.norm());
+    reference = std::max(reference, pressed / setup.plates[k].row * setup.spacing / setup.height);
+  }
   return reference;
 }
 
@@ -87,6 +92,7 @@ template <int D>
 void stop(const Setup<D>& setup, State<D>& state) {
   for (auto& v : state.particles.velocity) v.setZero();
   for (auto& s : state.particles.slip) s.setZero();
+  for (auto& plate : state.particles.plates) plate.velocity.setZero();
   for (auto& node : state.nodes) node.gradient.setZero();
   evaluate_forces(setup, state);
 }

@@ -96,6 +96,7 @@ void follow_window(const Setup<D>& setup, const coupling::Window& window, std::s
       drive.damping = setup.quiet.damping && calm && !state.still_yields ? near_critical_damping(setup) : 0.0;
       if (drive.damping > 0.0) state.damped += static_cast<double>(steps);
     }
+    if (!setup.plates.empty()) drive.plates = orders_at(setup.plates, window.time + due * interval);
     substep<D>(setup, dt, drive, state);
     watch_regions<D>(setup, drive, dt, state);
   }

@@ -1,0 +1,34 @@
+// The motion of rigid plates, and the force of the soil on them (docs/theory/plates.md).
+#pragma once
+
+#include "solid_solver/dynamics/step.hpp"
+
+namespace poretwin::solid {
+
+/// Sets the velocities of the plates for a step of dt [s]: those that bring plates to their targets, or those of plates
+/// under a force and the soil's reaction, with the damping rate of the soil.
+template <int D>
+void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
+
+/// Sums the force of the soil on each plate [N], of the present state: minus the forces on the soil's particles of the
+/// images behind the plate, stabilising forces included. The forces of the state must be current.
+template <int D>
+void measure_reactions(const Setup<D>& setup, State<D>& state);
+
+/// Force [N] along its normal that is missing for the balance of plate k; 0 where its motion is prescribed.
+template <int D>
+double unbalanced(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t k) {
+  if (!setup.plates[k].is_free() || drive.plates.empty()) return 0.0;
+  return drive.plates[k].force + setup.plates[k].normal.dot(state.particles.plates[k].reaction);
+}
+
+/// Largest acceleration [m/s2] that missing balance would give a plate as heavy as a row of the soil before it.
+template <int D>
+double acceleration_of_plates(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < setup.plates.size(); ++k)
+    largest = std::max(largest, std::abs(unbalanced(setup, state, drive, k)) / setup.plates[k].row);
+  return largest;
+}
+
+}  // namespace poretwin::solid
