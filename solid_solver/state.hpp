@@ -23,7 +23,8 @@ template <int D>
 struct PlateMotion {
   Vec<D> displacement = Vec<D>::Zero();  ///< m, since time zero
   Vec<D> velocity = Vec<D>::Zero();      ///< m/s
-  Vec<D> reaction = Vec<D>::Zero();      ///< N (2D: N/m), force of the soil on the plate
+  Vec<D> reaction = Vec<D>::Zero();      ///< N (2D: N/m), force of the skeleton on the plate
+  double water = 0.0;                    ///< N (2D: N/m), force of the pore pressure, against the plate's normal
 };
 
 /// The real particles: first those free to move, then the fixed ones behind rough walls.

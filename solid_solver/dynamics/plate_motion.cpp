@@ -21,11 +21,41 @@ void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State
   }
 }
 
+namespace {
+
+/// Force [N] of the pore pressure on a plate, against its normal.
+template <int D>
+double water_on(const Setup<D>& setup, const State<D>& state, const PlatePairs& list, const Kernels& kernel) {
+  const Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  const Vec<D>& normal = setup.plates[list.plate].normal;
+  const auto at_plate = [&](std::size_t i, double distance) {
+    return state.external.pressure[i] - distance * normal.dot(state.external.pressure_gradient[i]);
+  };
+  double force = 0.0;
+  for_each_pair(list.pairs, [&](std::size_t i, std::size_t j, std::size_t m, bool) {
+    if (i >= p.free()) return;
+    const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
+    const std::size_t parent = state.near.images[j - n].parent;
+    const double apart = normal.dot(r);  // the sum of both distances from the plate; a corner's image mirrors along it
+    const double own = normal.dot(state.nodes[i].position - state.nodes[parent].position);
+    const double pressure_i = at_plate(i, 0.5 * (apart + own)), pressure_j = at_plate(parent, 0.5 * (apart - own));
+    const Mat<D> weights = pressure_i * state.nodes[i].correction() + pressure_j * correction_at(state, j);
+    force -= p.volume[i] * state.nodes[j].volume * static_cast<double>(kernel[m]) * normal.dot(weights * r);
+  });
+  return force;
+}
+
+}  // namespace
+
 template <int D>
 void measure_reactions(const Setup<D>& setup, State<D>& state) {
   const Particles<D>& p = state.particles;
   if (setup.plates.empty()) return;
-  for (auto& plate : state.particles.plates) plate.reaction.setZero();
+  for (auto& plate : state.particles.plates) {
+    plate.reaction.setZero();
+    plate.water = 0.0;
+  }
   Kernels kernel;
   std::vector<Force<D>> force(p.size());
   for (const PlatePairs& list : state.near.plate_pairs) {
@@ -34,7 +64,9 @@ void measure_reactions(const Setup<D>& setup, State<D>& state) {
     Vec<D> sum = Vec<D>::Zero();
     for (std::size_t i = 0; i < p.free(); ++i) sum += p.volume[i] * (force[i].internal() + force[i].stabilising());
     const Vec<D>& normal = setup.plates[list.plate].normal;
-    state.particles.plates[list.plate].reaction -= list.corner ? Vec<D>(normal.dot(sum) * normal) : sum;
+    PlateMotion<D>& motion = state.particles.plates[list.plate];
+    motion.reaction -= list.corner ? Vec<D>(normal.dot(sum) * normal) : sum;
+    if (state.external.pressure.is_allocated()) motion.water += water_on(setup, state, list, kernel);
   }
 }
 

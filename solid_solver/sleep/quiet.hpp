@@ -50,6 +50,11 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
     const double pressed = std::max(drive.plates.empty() ? 0.0 : std::abs(drive.plates[k].force),
                                     state.particles.plates[k].reaction.norm());
     reference = std::max(reference, pressed / setup.plates[k].row * setup.spacing / setup.height);
+    if (drive.plates.empty() || setup.plates[k].is_free()) continue;
+    // The stress that the way to the target causes in a column of the soil's height.
+    const double way = (drive.plates[k].target - state.particles.plates[k].displacement).norm();
+    const double speed = setup.stabilisers.sound_speed / setup.height;
+    reference = std::max(reference, speed * speed * way);
   }
   return reference;
 }
