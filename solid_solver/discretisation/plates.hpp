@@ -24,6 +24,7 @@ struct PlateSetup {
   double start = -std::numeric_limits<double>::infinity();  ///< s; from then on the force acts
   double mass = 0.0;                    ///< kg, of a plate under a force
   double row = 0.0;                     ///< kg, mass of a row of the soil before the plate
+  bool sinks_in = false;                ///< soil lies beside one of its ends, which it may sink into
   [[nodiscard]] bool is_free() const { return force.has_value(); }  ///< it moves under a force
   /// Displacement [m] that the case prescribes at `time` [s]; without the part along the normal of a plate under a force.
   [[nodiscard]] Vec<D> prescribed(double time) const;

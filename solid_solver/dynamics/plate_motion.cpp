@@ -1,5 +1,10 @@
 #include "solid_solver/dynamics/plate_motion.hpp"
 
+#include "solid_solver/numerics/walls.hpp"
+
+#include <algorithm>
+#include <cmath>
+
 namespace poretwin::solid {
 
 template <int D>
@@ -70,6 +75,18 @@ void measure_reactions(const Setup<D>& setup, State<D>& state) {
   }
 }
 
+template <int D>
+void count_pulls(const Setup<D>& setup, State<D>& state) {
+  for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+    PlateMotion<D>& plate = state.particles.plates[k];
+    const double pressed = plate.water - setup.plates[k].normal.dot(plate.reaction);
+    plate.largest = std::max(plate.largest, std::abs(pressed));
+    if (pressed < -walls::noticed_pull * plate.largest) plate.pulls += 1.0;
+  }
+}
+
+template void count_pulls<2>(const Setup<2>&, State<2>&);
+template void count_pulls<3>(const Setup<3>&, State<3>&);
 template void drive_plates<2>(const Setup<2>&, double, const Drive<2>&, State<2>&);
 template void drive_plates<3>(const Setup<3>&, double, const Drive<3>&, State<3>&);
 template void measure_reactions<2>(const Setup<2>&, State<2>&);

@@ -18,6 +18,10 @@ void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State
 template <int D>
 void measure_reactions(const Setup<D>& setup, State<D>& state);
 
+/// Counts, at the end of a window, the plates that pull at the soil.
+template <int D>
+void count_pulls(const Setup<D>& setup, State<D>& state);
+
 /// Force [N] along its normal that is missing for the balance of plate k; 0 where its motion is prescribed.
 template <int D>
 double unbalanced(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t k) {

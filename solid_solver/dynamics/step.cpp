@@ -7,6 +7,7 @@
 #include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/dynamics/straining.hpp"
 #include "solid_solver/dynamics/wall_friction.hpp"
+#include "solid_solver/numerics/walls.hpp"
 
 #include <fmt/format.h>
 
@@ -178,6 +179,15 @@ template <int D>
 void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_time) {
   const double fastest = setup.spacing / setup.longest_substep;
   const auto& p = state.particles;
+  for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+    const PlateSetup<D>& plate = setup.plates[k];
+    const double sunk = plate.normal.dot(p.plates[k].displacement);
+    if (plate.sinks_in && !(sunk <= walls::deepest_plate * setup.spacing))
+      throw DivergedError(
+          fmt::format("plate \"{}\" has sunk by {:.4g} m into soil that lies beside its ends: farther than {:g} spacings "
+                      "soil may flow over it, which is not computed; last good time {:.6g} s",
+                      plate.name, sunk, walls::deepest_plate, last_good_time));
+  }
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double sum = p.velocity[i].sum() + p.position[i].sum() + p.stress[i].sum() + p.volume[i];
     if (std::isfinite(sum) && p.volume[i] > 0.0 && p.velocity[i].norm() <= fastest) continue;

@@ -65,7 +65,7 @@ template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
 
 /// Throws DivergedError with particle, stress and the last good time when a value is not finite, or when a particle
-/// crosses more than a spacing in a substep.
+/// crosses more than a spacing in a substep; likewise where a plate has sunk too far into soil beside its ends.
 template <int D>
 void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_time);
 

@@ -1,5 +1,6 @@
 #include "solid_solver/window/followed_window.hpp"
 
+#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/sleep/regions.hpp"
 #include "solid_solver/window/asleep.hpp"
@@ -101,6 +102,7 @@ void follow_window(const Setup<D>& setup, const coupling::Window& window, std::s
     watch_regions<D>(setup, drive, dt, state);
   }
   check_sound(setup, state, window.time);
+  count_pulls(setup, state);
   store_water_force(setup, water.to, water.impulse, interval, state);
   state.mean_velocity.allocate(water.tracks ? n : 0);
   for (std::size_t i = 0; i < n && water.tracks; ++i)

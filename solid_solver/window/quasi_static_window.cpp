@@ -307,6 +307,8 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
       state.returned_impulse.values()[i] +=
           tracked.goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
+  if (!p.plates.empty()) check_sound(setup, state, window.time);
+  count_pulls(setup, state);
   for (std::size_t k = 0; k < p.plates.size(); ++k)
     p.plates[k].velocity = (p.plates[k].displacement - plates_before[k].displacement) / interval;
   // Backward Euler removes the kinetic energy of the change of velocity. It does not matter below the velocity that a

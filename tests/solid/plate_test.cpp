@@ -149,7 +149,7 @@ double period(double mass, double spacing) {
 // A mass m on a bar of the mass m_s: omega H / c tan(omega H / c) = m_s / m.
 TEST(Plate, WithAMassSwingsOnItsSoil) {
   constexpr double width = 0.4, height = 1.0;
-  for (const double share : {4.0, 1.0}) {  // mass of the plate over that of the soil
+  for (const double share : {4.0, 1.0, 0.05}) {  // mass of the plate over that of the soil; the last: one row
     double lower = 0.0, upper = 0.5 * std::numbers::pi;
     for (int k = 0; k < 60; ++k) {
       const double x = 0.5 * (lower + upper);
@@ -191,6 +191,95 @@ TEST(Plate, ShearsALayerThatItHolds) {
   EXPECT_NEAR(std::abs(along), strain * height, 1e-9);
   EXPECT_NEAR(-motion.reaction.x() * (along > 0.0 ? 1.0 : -1.0), shear * strain * width, 2e-3 * shear * strain * width);
   EXPECT_NEAR(motion.reaction.y(), 0.0, 2e-3 * shear * strain * width);
+}
+
+double warned_of_pull(const Solid<2>& solid) {
+  for (const auto& warning : solid.warnings())
+    if (warning.what.find("plate pulled") != std::string::npos) return warning.count;
+  return -1.0;
+}
+
+// The soil sticks to the plate: pulled up, it is stretched.
+TEST(Plate, ThatPullsIsWarnedOf) {
+  constexpr double width = 0.4, height = 1.0, strain = 1e-4;
+  for (const double sign : {1.0, -1.0}) {
+    Case scene = weightless_column(0.1);
+    Plate plate = lid(width, height);
+    plate.speed = Series{{{0.0, 0.0}, {1.0, sign * strain}, {2.0, 0.0}}};
+    scene.plates = {plate};
+    Solid<2> solid(scene);
+    solid.initialise({});
+    run(solid, 2.0);
+    EXPECT_NEAR(plate_of(solid).reaction.y(), sign * constrained * strain * width, 0.01 * constrained * strain * width);
+    EXPECT_EQ(warned_of_pull(solid) > 0.0, sign < 0.0);
+  }
+}
+
+/// Soil twice as wide as the plate at its left end.
+Case footing(double spacing, double speed) {
+  ColumnSpec spec;
+  spec.gravity = 0.0;
+  spec.spacing = spacing;
+  spec.width = 0.8;
+  Case scene = column(spec);
+  Plate plate = lid(0.4, spec.height);
+  plate.surface = Plate::Surface::rough;
+  plate.speed = Series{{{0.0, 0.0}, {0.2, speed}}};
+  scene.plates = {plate};
+  return scene;
+}
+
+TEST(Plate, ThatSinksFarBesideSoilEndsTheRun) {
+  constexpr double spacing = 0.1, speed = 0.5;
+  Solid<2> solid(footing(spacing, speed));
+  ASSERT_TRUE(solid.setup().plates[0].sinks_in);
+  solid.initialise({});
+  const double due = 0.1 + 1.5 * spacing / speed;  // s, when the plate has sunk by 1.5 spacings
+  run(solid, due - 0.02);
+  EXPECT_THROW(run(solid, due + 0.02), DivergedError);
+  // A plate whose ends lie on walls, or beyond the soil, does not stop.
+  Case scene = footing(spacing, speed);
+  scene.plates[0].face.points[0].x() = 1.0;
+  EXPECT_FALSE(Solid<2>(scene).setup().plates[0].sinks_in);
+}
+
+/// Inbox of a field of pore pressure [Pa].
+coupling::Inbox field_inbox(const Solid<2>& solid, const std::function<double(const Vec<2>&)>& pressure) {
+  coupling::Inbox inbox = wet_inbox<2>(solid, pressure);
+  inbox.fields.push_back({std::string(coupling::field::degree_of_saturation), 1,
+                          std::vector<double>(solid.state().particles.size(), 1.0)});
+  return inbox;
+}
+
+// Windows computed as equilibria: the plate bears the stress of the skeleton, continued to it, and the pore pressure.
+TEST(Plate, BearsSoilAndWaterInEquilibrium) {
+  constexpr double width = 0.4, height = 1.0, strain = 1e-3, datum = 3000.0, slope = 2000.0;  // Pa, Pa/m
+  const auto pressure = [](const Vec<2>& x) { return datum - slope * x.y(); };
+  for (const bool pushed : {true, false}) {
+    Case scene = weightless_column(0.05);
+    scene.soils[0].hydraulic_conductivity = 1e-4;
+    scene.fluid.representation = FluidCase::Representation::field;
+    Plate plate = lid(width, height);
+    // The total stress is uniform. That of the skeleton is less by the pressure, and its mean that of the strain.
+    const double total = (constrained * strain + datum - 0.5 * slope * height) * width;
+    if (pushed) {
+      plate.force = Series{{{0.0, total}}};
+      plate.start = 0.0;
+    } else {
+      plate.displacement = Series{{{0.0, 0.0}, {1.0, strain * height}}};
+    }
+    scene.plates = {plate};
+    Solid<2> solid(scene);
+    solid.initialise(field_inbox(solid, [](const Vec<2>&) { return 0.0; }));
+    const auto outcome = solid.advance({0, 0.0, 1.0}, field_inbox(solid, pressure));
+    ASSERT_TRUE(outcome.accepted);
+    const auto& motion = plate_of(solid);
+    const double water = (datum - slope * height) * width;
+    EXPECT_NEAR(motion.water, water, 1e-3 * water);
+    EXPECT_NEAR(motion.water + motion.reaction.y(), total, 1e-3 * total);
+    EXPECT_NEAR(-motion.displacement.y(), strain * height, 1e-3 * strain * height);
+    EXPECT_EQ(solid.counters().at("windows relaxed"), 1.0);
+  }
 }
 
 }  // namespace
