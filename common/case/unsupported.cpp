@@ -469,8 +469,8 @@ class Supported : Complaints {
           fail(
               fmt::format("wall[{}]", i),
               fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
-                          "there is no tight plate that moves with the soil; expected a drained surface under the load "
-                          "(a [[water_face]] with pressure = 0), or the load elsewhere",
+                          "expected a drained surface under the load (a [[water_face]] with pressure = 0), the load "
+                          "elsewhere, or a tight [[plate]] with fluid.representation = \"field\"",
                           named("load", j, scene_.loads[j].name)));
   }
 

@@ -1,7 +1,6 @@
 // Rigid plates that press on the soil: moving walls of images (docs/theory/plates.md).
 #pragma once
 
-#include "common/case/case.hpp"
 #include "solid_solver/discretisation/boundaries.hpp"
 
 #include <limits>

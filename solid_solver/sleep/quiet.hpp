@@ -1,7 +1,7 @@
 // Soil that hardly moves: its departure from rest, the damping towards rest, and sleep.
 #pragma once
 
-#include "solid_solver/dynamics/step.hpp"
+#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 
 #include <numbers>

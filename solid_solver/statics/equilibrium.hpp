@@ -1,7 +1,6 @@
 // The equilibrium of soil at the end of a window: the displacements at which its forces balance.
 #pragma once
 
-#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/statics.hpp"
 #include "solid_solver/statics/anderson.hpp"
 #include "solid_solver/statics/rest.hpp"

@@ -1,7 +1,6 @@
 // The soil at rest: dynamic relaxation to an equilibrium, and initial stresses of level ground.
 #pragma once
 
-#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/statics.hpp"
 #include "solid_solver/sleep/quiet.hpp"
 
