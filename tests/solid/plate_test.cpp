@@ -243,6 +243,23 @@ TEST(Plate, ThatSinksFarBesideSoilEndsTheRun) {
   EXPECT_FALSE(Solid<2>(scene).setup().plates[0].sinks_in);
 }
 
+// A state that is saved while the plate moves goes on as the run itself does.
+TEST(Plate, GoesOnFromASavedStateToTheBit) {
+  const Case scene = footing(0.05, 0.1);
+  Solid<2> solid(scene), resumed(scene);
+  solid.initialise({});
+  run(solid, 0.2);
+  Archive saved;
+  solid.archive(saved);
+  Archive loaded(saved.bytes());
+  resumed.archive(loaded);
+  for (auto* of : {&solid, &resumed}) run(*of, 0.4);
+  EXPECT_GT(solid.state().rebuilds, 2.0);
+  EXPECT_EQ(plate_of(solid).displacement, plate_of(resumed).displacement);
+  EXPECT_EQ(plate_of(solid).reaction, plate_of(resumed).reaction);
+  EXPECT_EQ(solid.state().particles.position, resumed.state().particles.position);
+}
+
 /// Inbox of a field of pore pressure [Pa].
 coupling::Inbox field_inbox(const Solid<2>& solid, const std::function<double(const Vec<2>&)>& pressure) {
   coupling::Inbox inbox = wet_inbox<2>(solid, pressure);
