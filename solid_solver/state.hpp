@@ -26,7 +26,8 @@ struct PlateMotion {
   Vec<D> reaction = Vec<D>::Zero();      ///< N (2D: N/m), force of the skeleton on the plate
   double water = 0.0;                    ///< N (2D: N/m), force of the pore pressure, against the plate's normal
   double largest = 0.0;                  ///< N (2D: N/m), largest force between plate and soil so far
-  double pulls = 0.0;                    ///< counter: windows at whose end the plate pulled at the soil
+  double pull = 0.0;                     ///< N (2D: N/m), largest pull at the soil so far
+  double pulls = 0.0;                    ///< counter: windows at whose end the plate pulled
 };
 
 /// The real particles: first those free to move, then the fixed ones behind rough walls.

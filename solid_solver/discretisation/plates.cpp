@@ -1,7 +1,5 @@
 #include "solid_solver/discretisation/plates.hpp"
 
-#include "solid_solver/numerics/walls.hpp"
-
 #include <algorithm>
 
 namespace poretwin::solid {
@@ -40,11 +38,11 @@ std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const 
         if (plane.tangent.isZero()) plate.along = Vec<2>(plane.normal.y(), -plane.normal.x());
       for (std::size_t i = 0; i < position.size(); ++i) {
         const double distance = plane.normal.dot(position[i] - plane.point);
-        if (distance <= 0.0 || distance >= walls::beside_plate * spacing) continue;
+        if (distance <= 0.0 || distance >= spacing) continue;
         const double along = plane.tangent.dot(position[i]), beyond = std::max(plane.from - along, along - plane.to);
         if (plane.faces(position[i]))
-          plate.row += distance < spacing ? mass[i] : 0.0;
-        else if (beyond < walls::beside_plate * spacing)
+          plate.row += mass[i];
+        else if (beyond < spacing)
           plate.sinks_in = true;
       }
     }

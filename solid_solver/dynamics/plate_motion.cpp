@@ -1,7 +1,5 @@
 #include "solid_solver/dynamics/plate_motion.hpp"
 
-#include "solid_solver/numerics/walls.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -81,7 +79,8 @@ void count_pulls(const Setup<D>& setup, State<D>& state) {
     PlateMotion<D>& plate = state.particles.plates[k];
     const double pressed = plate.water - setup.plates[k].normal.dot(plate.reaction);
     plate.largest = std::max(plate.largest, std::abs(pressed));
-    if (pressed < -walls::noticed_pull * plate.largest) plate.pulls += 1.0;
+    plate.pull = std::max(plate.pull, -pressed);
+    if (pressed < 0.0) plate.pulls += 1.0;
   }
 }
 

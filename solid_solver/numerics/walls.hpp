@@ -36,16 +36,13 @@ inline constexpr double line_step = 5e-3;
 /// Unit: spacings. Test: Load.IsBalancedByPressureRowByRow (untried).
 inline constexpr double moved_off_face = 0.1;
 
-/// Distance from the end of a plate within which soil beyond it counts as lying beside it: two rows.
-/// Unit: spacings. Test: Plate.ThatSinksFarBesideSoilEndsTheRun.
-inline constexpr double beside_plate = 1.5;
 /// Way that a plate may sink into soil that lies beside its ends. Farther on, soil that heaves beside the plate may flow
 /// over it. The bearing capacity of clay stays within 5 % up to here (docs/theory/plates.md).
 /// Unit: spacings. Test: Plate.ThatSinksFarBesideSoilEndsTheRun.
 inline constexpr double deepest_plate = 1.5;
-/// Pull of a plate at the soil, over the largest force between both so far, from which on a window counts for the run's
-/// warning: more than rounding.
-/// Unit: 1. Test: Plate.ThatPullsIsWarnedOf.
+/// Largest pull of a plate at the soil, over the largest force between both, from which on the run warns of it. Waves
+/// make a plate pull for an instant.
+/// Unit: 1. Test: Plate.ThatPullsMoreThanAHundredthIsWarnedOf.
 inline constexpr double noticed_pull = 0.01;
 
 }  // namespace poretwin::solid::walls

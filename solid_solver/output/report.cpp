@@ -1,5 +1,6 @@
 #include "solid_solver/output/report.hpp"
 
+#include "solid_solver/numerics/walls.hpp"
 #include "solid_solver/output/readout.hpp"
 #include "solid_solver/statics/safety.hpp"
 
@@ -88,7 +89,8 @@ std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, c
   // sliding_layer: by a third of its height) keeps its shape.
   const bool far = rest.displacement > 0.5 * setup.height;
   double pulls = 0.0;
-  for (const auto& plate : state.particles.plates) pulls += plate.pulls;
+  for (const auto& plate : state.particles.plates)
+    if (plate.pull > walls::noticed_pull * plate.largest) pulls += plate.pulls;
   return {
       {"the soil's rest was not found", sought ? 1.0 : 0.0,
        fmt::format("{} steps left {:.2g} of the driving acceleration, wanted {:g}; the run starts in motion, the soil "

@@ -215,6 +215,30 @@ TEST(Plate, ThatPullsIsWarnedOf) {
   }
 }
 
+/// Inbox of a field of pore pressure [Pa].
+coupling::Inbox field_inbox(const Solid<2>& solid, const std::function<double(const Vec<2>&)>& pressure) {
+  coupling::Inbox inbox = wet_inbox<2>(solid, pressure);
+  inbox.fields.push_back({std::string(coupling::field::degree_of_saturation), 1,
+                          std::vector<double>(solid.state().particles.size(), 1.0)});
+  return inbox;
+}
+
+TEST(Plate, ThatPullsMoreThanAHundredthIsWarnedOf) {
+  constexpr double strain = 1e-4;
+  for (const double pull : {0.007, 0.015}) {  // over the pressure before
+    Case scene = weightless_column(0.1);
+    scene.fluid.representation = FluidCase::Representation::field;
+    Plate plate = lid(0.4, 1.0);
+    plate.displacement = Series{{{0.0, 0.0}, {1.0, strain}, {2.0, -pull * strain}}};
+    scene.plates = {plate};
+    Solid<2> solid(scene);
+    const auto inbox = field_inbox(solid, [](const Vec<2>&) { return 0.0; });
+    solid.initialise(inbox);
+    for (std::uint64_t k = 0; k < 2; ++k) ASSERT_TRUE(solid.advance({k, 1.0 * static_cast<double>(k), 1.0}, inbox).accepted);
+    EXPECT_EQ(warned_of_pull(solid) > 0.0, pull > 0.01);
+  }
+}
+
 /// Soil twice as wide as the plate at its left end.
 Case footing(double spacing, double speed) {
   ColumnSpec spec;
@@ -258,14 +282,6 @@ TEST(Plate, GoesOnFromASavedStateToTheBit) {
   EXPECT_EQ(plate_of(solid).displacement, plate_of(resumed).displacement);
   EXPECT_EQ(plate_of(solid).reaction, plate_of(resumed).reaction);
   EXPECT_EQ(solid.state().particles.position, resumed.state().particles.position);
-}
-
-/// Inbox of a field of pore pressure [Pa].
-coupling::Inbox field_inbox(const Solid<2>& solid, const std::function<double(const Vec<2>&)>& pressure) {
-  coupling::Inbox inbox = wet_inbox<2>(solid, pressure);
-  inbox.fields.push_back({std::string(coupling::field::degree_of_saturation), 1,
-                          std::vector<double>(solid.state().particles.size(), 1.0)});
-  return inbox;
 }
 
 // Windows computed as equilibria: the plate bears the stress of the skeleton, continued to it, and the pore pressure.
