@@ -1,4 +1,5 @@
 // Rigid plates: the force on them against closed forms.
+#include "solid_solver/discretisation/lists_hold.hpp"
 #include "solid_solver/dynamics/plate_motion.hpp"
 #include "tests/solid/scenes.hpp"
 
@@ -68,6 +69,23 @@ TEST(Plate, CompressesSoilByMuch) {
   EXPECT_GT(solid.state().rebuilds, 5.0);
   const double stress = -constrained * std::log(left);
   EXPECT_NEAR(plate_of(solid).reaction.y(), stress * width, 2e-3 * stress * width);
+}
+
+// The images of a plate that moves past soil at rest move twice as far: pairs come into reach a quarter of the lists'
+// margin on.
+TEST(Plate, ListsHoldUntilItsImagesComeIntoReach) {
+  Case scene = weightless_column(0.05);
+  scene.plates = {lid(0.4, 1.0)};
+  scene.plates[0].displacement = Series{{{0.0, 0.0}}};
+  const Solid<2> solid(scene);
+  const auto holds = [&](double skins) {
+    Particles<2> p = solid.state().particles;
+    p.plates[0].displacement.y() -= skins * solid.setup().skin;
+    return lists_hold(solid.setup(), p, solid.state().near);
+  };
+  EXPECT_TRUE(holds(0.0));
+  EXPECT_TRUE(holds(0.24));
+  EXPECT_FALSE(holds(0.26));
 }
 
 // Whatever the motion, what the plates give the soil is what it gains, stabilising forces and corners included.
