@@ -214,7 +214,7 @@ struct Neighbourhood {
   std::vector<ImageRule<D>> images;
   std::vector<BehindCurved<D>> behind_curved;
   std::vector<BehindPlate<D>> behind_plates;
-  VecArray<D> plates_at;                 ///< m, displacement of the plates when the lists were built
+  VecArray<D> plates_at;  ///< m, displacement of the plates when the lists were built
   std::vector<PlatePairs> plate_pairs;
   Pairs pairs;
   Views views;

@@ -505,12 +505,12 @@ void declare(Keys& keys, Load& l) {
   declare(keys, l.face);
   keys.number("pressure", l.pressure,
               {"Pa", "Instead of `traction`: force per area across the face, into the soil where it is above zero."});
-  keys.point(
-      "traction", l.traction,
-      {"Pa",
-       "Force per area on the soil's surface near the face (required without `pressure`). With `points` the total force "
-       "is the traction times the length of the line, as far as soil lies along it.",
-       !l.pressure});
+  keys.point("traction", l.traction,
+             {"Pa",
+              "Force per area on the soil's surface near the face (required without `pressure`). With `points` the "
+              "total force "
+              "is the traction times the length of the line, as far as soil lies along it.",
+              !l.pressure});
   keys.number("start", l.start,
               {"s",
                "Time from which on the load acts; absent: it always acts, and the soil comes to rest under it "
@@ -526,18 +526,22 @@ void declare(Keys& keys, Plate& p) {
   keys.choice<Plate::Surface>("surface", p.surface, plate_words,
                               {"", "`smooth`: no shear between plate and soil, `rough`: no slip."});
   keys.series("displacement", p.displacement,
-              {"m", "How far the plate has moved into the soil, across its line, as a table in time that begins with 0 "
-                    "at time zero."});
+              {"m",
+               "How far the plate has moved into the soil, across its line, as a table in time that begins with 0 "
+               "at time zero."});
   keys.series("speed", p.speed, {"m/s", "Instead of `displacement`: its speed into the soil."});
   keys.series("force", p.force,
-              {"N/m", "Instead of both: force with which the plate presses on the soil, across its line. Without "
-                      "`start` the soil comes to rest under its first value before time zero."});
+              {"N/m",
+               "Instead of both: force with which the plate presses on the soil, across its line. Without "
+               "`start` the soil comes to rest under its first value before time zero."});
   keys.series("along", p.along,
-              {"m", "How far a rough plate has moved along its line, from its first towards its last point, as a table "
-                    "in time that begins with 0 at time zero."});
+              {"m",
+               "How far a rough plate has moved along its line, from its first towards its last point, as a table "
+               "in time that begins with 0 at time zero."});
   keys.number("start", p.start, {"s", "Time from which on `force` acts; absent: it always acts."});
   keys.number("mass", p.mass,
-              {"kg/m", "Mass of a plate under a force; absent: the mass of one row of the soil before it."}, positive());
+              {"kg/m", "Mass of a plate under a force; absent: the mass of one row of the soil before it."},
+              positive());
 }
 
 void declare(Keys& keys, PorePressure& p) {

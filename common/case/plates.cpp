@@ -48,14 +48,14 @@ class Plates : Complaints {
   void line(const Face& f, const std::string& key) const {
     const bool plane = given(key + ".point") && given(key + ".normal");
     if (given(key + ".points") == plane || (!plane && (given(key + ".point") || given(key + ".normal"))))
-      fail(key, "expected either the 2 ends of the plate as 'points', with the soil on the left, or 'point' and "
-                "'normal' (into the soil) of a plate without ends");
-    if (plane && !(f.normal.norm() > 0.0))
-      fail(key + ".normal", "expected a direction, found a vector of length zero");
+      fail(key,
+           "expected either the 2 ends of the plate as 'points', with the soil on the left, or 'point' and "
+           "'normal' (into the soil) of a plate without ends");
+    if (plane && !(f.normal.norm() > 0.0)) fail(key + ".normal", "expected a direction, found a vector of length zero");
     if (plane) return;
     if (f.points.size() != 2)
-      fail(key + ".points", fmt::format("a plate is one straight line: expected its 2 ends, found {} points",
-                                        f.points.size()));
+      fail(key + ".points",
+           fmt::format("a plate is one straight line: expected its 2 ends, found {} points", f.points.size()));
     if (!((f.points[1] - f.points[0]).norm() > 0.0))
       fail(key + ".points", fmt::format("expected 2 different points, found {} twice", shown(f.points[0])));
   }
@@ -63,11 +63,13 @@ class Plates : Complaints {
   void motion(const Plate& plate, const std::string& key) const {
     const int given_motions = plate.displacement.has_value() + plate.speed.has_value() + plate.force.has_value();
     if (given_motions > 1)
-      fail(key, "expected one of 'displacement', 'speed' and 'force', found more: a plate moves in a prescribed way or "
-                "under a force");
+      fail(key,
+           "expected one of 'displacement', 'speed' and 'force', found more: a plate moves in a prescribed way or "
+           "under a force");
     if (given_motions == 0 && !plate.along)
-      fail(key, "nothing says how the plate moves: expected 'displacement', 'speed', 'force' or 'along'; soil beside a "
-                "plate at rest is soil beside a [[wall]]");
+      fail(key,
+           "nothing says how the plate moves: expected 'displacement', 'speed', 'force' or 'along'; soil beside a "
+           "plate at rest is soil beside a [[wall]]");
     for (const auto& [series, name] : {std::pair{&plate.displacement, "displacement"}, {&plate.along, "along"}})
       if (*series && (*series)->at(0.0) != 0.0)
         fail(fmt::format("{}.{}", key, name),

@@ -466,12 +466,11 @@ class Supported : Complaints {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i)
       for (std::size_t j = 0; j < scene_.loads.size(); ++j)
         if (scene_.walls[i].water != Wall::ForWater::none && overlap(scene_.walls[i].face, scene_.loads[j].face))
-          fail(
-              fmt::format("wall[{}]", i),
-              fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
-                          "expected a drained surface under the load (a [[water_face]] with pressure = 0), the load "
-                          "elsewhere, or a tight [[plate]] with fluid.representation = \"field\"",
-                          named("load", j, scene_.loads[j].name)));
+          fail(fmt::format("wall[{}]", i),
+               fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
+                           "expected a drained surface under the load (a [[water_face]] with pressure = 0), the load "
+                           "elsewhere, or a tight [[plate]] with fluid.representation = \"field\"",
+                           named("load", j, scene_.loads[j].name)));
   }
 
   int d_;

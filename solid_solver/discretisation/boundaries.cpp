@@ -13,8 +13,8 @@ namespace poretwin::solid {
 
 namespace {
 
-/// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended by `margin` [m] beyond it, so that the
-/// corner is closed; other ends are free.
+/// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended by `margin` [m] beyond
+/// it, so that the corner is closed; other ends are free.
 template <int D>
 void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
   std::vector<sph::ImagePlane<D>> others = boundaries.planes;

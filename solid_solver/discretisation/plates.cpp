@@ -58,8 +58,8 @@ std::vector<PlateOrder<D>> orders_at(const std::vector<PlateSetup<D>>& plates, d
   return orders;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                             \
-  template struct PlateSetup<D>;                                                                            \
+#define PORETWIN_INSTANTIATE(D)                                                                                    \
+  template struct PlateSetup<D>;                                                                                   \
   template std::vector<PlateSetup<D>> make_plates<D>(const Case&, double, const VecArray<D>&, const ScalarArray&); \
   template std::vector<PlateOrder<D>> orders_at<D>(const std::vector<PlateSetup<D>>&, double);
 PORETWIN_INSTANTIATE(2)

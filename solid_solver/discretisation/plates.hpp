@@ -14,18 +14,19 @@ namespace poretwin::solid {
 template <int D>
 struct PlateSetup {
   std::string name;
-  Vec<D> normal = Vec<D>::Zero();       ///< unit, into the soil: the direction in which the plate presses
-  Vec<D> along = Vec<D>::Zero();        ///< unit, along its line, towards its last point
-  std::optional<Series> displacement;   ///< m, along the normal
-  std::optional<Series> speed;          ///< m/s, likewise, in place of the displacement
-  std::optional<Series> force;          ///< N, likewise, in place of both
-  std::optional<Series> slide;          ///< m, displacement along the line
+  Vec<D> normal = Vec<D>::Zero();      ///< unit, into the soil: the direction in which the plate presses
+  Vec<D> along = Vec<D>::Zero();       ///< unit, along its line, towards its last point
+  std::optional<Series> displacement;  ///< m, along the normal
+  std::optional<Series> speed;         ///< m/s, likewise, in place of the displacement
+  std::optional<Series> force;         ///< N, likewise, in place of both
+  std::optional<Series> slide;         ///< m, displacement along the line
   double start = -std::numeric_limits<double>::infinity();  ///< s; from then on the force acts
-  double mass = 0.0;                    ///< kg, of a plate under a force
-  double row = 0.0;                     ///< kg, mass of a row of the soil before the plate
-  bool sinks_in = false;                ///< soil lies beside one of its ends, which it may sink into
+  double mass = 0.0;                                        ///< kg, of a plate under a force
+  double row = 0.0;                                         ///< kg, mass of a row of the soil before the plate
+  bool sinks_in = false;  ///< soil lies beside one of its ends, which it may sink into
   [[nodiscard]] bool is_free() const { return force.has_value(); }  ///< it moves under a force
-  /// Displacement [m] that the case prescribes at `time` [s]; without the part along the normal of a plate under a force.
+  /// Displacement [m] that the case prescribes at `time` [s]; without the part along the normal of a plate under a
+  /// force.
   [[nodiscard]] Vec<D> prescribed(double time) const;
   /// Force [N] along the normal at `time` [s].
   [[nodiscard]] double force_at(double time) const;

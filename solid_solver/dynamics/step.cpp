@@ -183,10 +183,10 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
     const PlateSetup<D>& plate = setup.plates[k];
     const double sunk = plate.normal.dot(p.plates[k].displacement);
     if (plate.sinks_in && !(sunk <= walls::deepest_plate * setup.spacing))
-      throw DivergedError(
-          fmt::format("plate \"{}\" has sunk by {:.4g} m into soil that lies beside its ends: farther than {:g} spacings "
-                      "soil may flow over it, which is not computed; last good time {:.6g} s",
-                      plate.name, sunk, walls::deepest_plate, last_good_time));
+      throw DivergedError(fmt::format(
+          "plate \"{}\" has sunk by {:.4g} m into soil that lies beside its ends: farther than {:g} spacings "
+          "soil may flow over it, which is not computed; last good time {:.6g} s",
+          plate.name, sunk, walls::deepest_plate, last_good_time));
   }
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double sum = p.velocity[i].sum() + p.position[i].sum() + p.stress[i].sum() + p.volume[i];

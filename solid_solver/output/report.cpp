@@ -103,8 +103,7 @@ std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, c
        "such windows until both agree",
        true},
       {"windows in which a plate pulled at the soil", pulls,
-       "soil sticks to a plate as to every wall; a real plate would have lifted off: expected no such pull",
-       false},
+       "soil sticks to a plate as to every wall; a real plate would have lifted off: expected no such pull", false},
       {"times the soil began to move", state.motion.begun,
        "its inertia matters: it is followed in short windows until it is calm again", false}};
 }

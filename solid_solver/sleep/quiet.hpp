@@ -38,8 +38,8 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   return force;
 }
 
-/// Reference acceleration [m/s2]: gravity, or the forces from outside and of plates per mass, spread over the soil's height, if
-/// larger.
+/// Reference acceleration [m/s2]: gravity, or the forces from outside and of plates per mass, spread over the soil's
+/// height, if larger.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double reference = setup.gravity.norm();

@@ -252,7 +252,8 @@ TEST(Plate, ThatPullsMoreThanAHundredthIsWarnedOf) {
     Solid<2> solid(scene);
     const auto inbox = field_inbox(solid, [](const Vec<2>&) { return 0.0; });
     solid.initialise(inbox);
-    for (std::uint64_t k = 0; k < 2; ++k) ASSERT_TRUE(solid.advance({k, 1.0 * static_cast<double>(k), 1.0}, inbox).accepted);
+    for (std::uint64_t k = 0; k < 2; ++k)
+      ASSERT_TRUE(solid.advance({k, 1.0 * static_cast<double>(k), 1.0}, inbox).accepted);
     EXPECT_EQ(warned_of_pull(solid) > 0.0, pull > 0.01);
   }
 }
