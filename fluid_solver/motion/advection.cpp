@@ -60,12 +60,14 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,
           std::span<const Vec<D>> repair, double interval, State<D>& state) {
   auto& p = state.particles;
+  // Water in soil that moves as a whole keeps its packing: only its motion through the soil disorders it.
   auto motion = moved<D>(state.particles);
+  ScalarArray speed(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
-    const double spacing = spacing_of<D>(p.volume[a]);
-    motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (motion::shifts_from * spacing));
+    speed[a] = (p.velocity[a] - p.mask[a] * p.solid_velocity[a]).norm();
+    motion[a] *= std::min(1.0, speed[a] * interval / (motion::shifts_from * spacing_of<D>(p.volume[a])));
   });
-  auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.in_seepage, interval, state.full);
+  auto shift = packing_displacements<D>(s, speed, motion, p.surface, p.in_seepage, interval, state.full);
   parallel_for(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
   collide<D>(s, p.in_seepage, p.mass, p.velocity);
   parallel_for(p.size(), [&](std::size_t a) {

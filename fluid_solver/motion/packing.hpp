@@ -10,7 +10,8 @@
 
 namespace poretwin::fluid {
 
-/// Displacement by shifting per |v| dt h and per h^2; separation below which pairs are pushed apart, in spacings.
+/// Displacement by shifting per speed times dt h, and per h^2; separation below which pairs are pushed apart, in
+/// spacings.
 struct PackingLaw {
   double by_speed, by_length, closest;
 };
@@ -19,11 +20,11 @@ inline constexpr PackingLaw packing_in_soil{motion::shift_by_speed_in_soil, moti
     packing_in_free_water{motion::shift_by_speed_in_free_water, motion::shift_by_length, motion::closest_in_free_water},
     packing_in_full_soil{motion::shift_by_speed_in_full_soil, motion::shift_by_length, motion::closest_in_soil};
 
-/// Displacements [m] that even out the packing. moved[a] in [0, 1] is a factor on them (0: at rest, nothing to repair).
-/// Shifting follows the gradient of concentration (after Lind et al. 2012); near the surface only its part along the
+/// Displacements [m] that even out the packing. speed [m/s]: in soil relative to it. moved[a] in [0, 1] is a factor on
+/// them (0: at rest, nothing to repair). Shifting follows the gradient of concentration (after Lind et al. 2012); near the surface only its part along the
 /// surface.
 template <int D>
-VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> velocity, std::span<const double> moved,
+VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const double> speed, std::span<const double> moved,
                                   std::span<const Surface> flags, std::span<const char> in_seepage, double interval,
                                   bool full = false) {
   VecArray<D> shift(s.n_real, Vec<D>::Zero());
@@ -32,7 +33,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     const PackingLaw& law = in_seepage[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
     const double h = s.length(a), spacing = h / points::smoothing_ratio;
     // sum V grad W is zero in even surroundings and otherwise points to where particles are.
-    Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
+    Vec<D> d = -(law.by_speed * h * speed[a] * interval + law.by_length * h * h) * s.normal[a];
     if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
       const Vec<D> normal = s.normal[a].normalized();
       d -= normal.dot(d) * normal;

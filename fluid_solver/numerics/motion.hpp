@@ -28,7 +28,7 @@ inline constexpr double touching = 1.6;
 /// Unit: 1. Test: FreeWater.ShortWindowsFeedItNoEnergy (untried).
 inline constexpr double even_surroundings = 0.05;
 
-/// Displacement by shifting of a particle in soil, per |v| dt h and per |sum V grad W|.
+/// Displacement by shifting of a particle in soil, per |v - v_s| dt h (v_s: velocity of the soil) and per |sum V grad W|.
 /// Unit: 1. Test: Seepage.WaterPressedIntoDrySoilKeepsItsPacking (untried).
 inline constexpr double shift_by_speed_in_soil = 0.5;
 /// Displacement by shifting of a particle of free water, per |v| dt h and per |sum V grad W|.

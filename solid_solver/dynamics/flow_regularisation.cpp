@@ -251,7 +251,14 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       const LaneMask flowing = flows > 0.0;
       const Lanes flowed = flowing & (shear < elastic) ? shear / elastic : Lanes{} + 1.0;
       for (int a = 0; a < n_components<D>; ++a) four.stress[a] += flow::stress_share * scale * flowed * around[a];
-      volume *= flowing ? 1.0 + flow::volume_share * scale * flowed * around[A::at_swelling] : Lanes{} + 1.0;
+      // In wet soil a volume is the space that the soil's motion leaves, which water fills: moved to particles that hardly
+      // shear, it would press water out of them or draw it in. Only what rows that slide past each other err by is
+      // evened out there, and volumes are not taken from the positions.
+      const LaneMask dry = coverage <= 0.5;
+      Lanes renewed = shear / flow::volume_renewing;
+      min_in_place(renewed, Lanes{} + 1.0);
+      renewed = dry ? flowed : renewed;
+      volume *= flowing ? 1.0 + flow::volume_share * scale * renewed * around[A::at_swelling] : Lanes{} + 1.0;
       const Lanes cover = around[A::at_cover] / setup.full_cover;
       Lanes* const crowding = &around[A::at_crowding];
       Lanes crowded{};
@@ -261,8 +268,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       }
       sqrt_in_place(crowded);
       const LaneMask inside = flowing & (crowded * h <= flow::surface) & (cover >= flow::inside_cover);
-      // In wet soil the water's pressure maintains the volume. A density taken from the positions would expel water.
-      volume *= inside & (coverage <= 0.5) ? 1.0 - flow::packing_share * (cover - 1.0) : Lanes{} + 1.0;
+      volume *= inside & dry ? 1.0 - flow::packing_share * (cover - 1.0) : Lanes{} + 1.0;
       Lanes strain = shear;
       min_in_place(strain, Lanes{} + flow::largest_strain);
       if (dilates) {

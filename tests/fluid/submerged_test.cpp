@@ -168,6 +168,34 @@ TEST(Submerged, SeepageAlongASlopeLeavesTightSoilAtRest) {
   EXPECT_LT(worst, 1e-3);
 }
 
+TEST(Submerged, WaterInTightSoilThatSlidesKeepsItsPlaces) {
+  // A layer without ends that slides on a smooth floor carries its unevenly spaced water along: what evens out the
+  // spacing does not have the speed of the slide (which would move particles by 0.12 spacings).
+  auto scene = submerged_bed();
+  scene.general.periodic = {0};
+  scene.general.domain_max = Point3(width, 2.0 * bed, 0.0);
+  scene.general.end_time = 0.4;
+  scene.solid.initial_velocity = scene.fluid.initial_velocity = Point3(2.0, 0.0, 0.0);
+  scene.soils[0].hydraulic_conductivity = 1e-6;
+  scene.walls = {wall(line(0.0, 0.0, width, 0.0))};
+  scene.walls[0].soil = Wall::ForSoil::roller;
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.fluid.jitter = 0.1;
+  scene.water_faces = {pressure_face(line(width, bed, 0.0, bed), 0.0)};
+  BothSolvers both(scene);
+  const VecArray<2> before = both.fluid.state().particles.position;
+  both.run_to_end();
+  const auto& after = both.fluid.state().particles.position;
+  double worst = 0.0;
+  for (std::size_t a = 0; a < before.size(); ++a) {
+    Vec<2> d = after[a] - before[a] - Vec<2>(2.0 * 0.4, 0.0);
+    d.x() -= width * std::round(d.x() / width);
+    worst = std::max(worst, d.norm());
+  }
+  std::printf("%.0f windows, displaced by %.1e spacings\n", static_cast<double>(both.run.report.windows), worst / spacing);
+  EXPECT_LT(worst, 0.03 * spacing);
+}
+
 TEST(Submerged, ABlockThatSinksGainsNoEnergy) {
   // A stiff block of coarse gravel is let go 6 cm above the floor of a tank, all of it under water. What it loses in
   // height becomes motion, waves and drag; only some of that comes back when it lands. In water inside the soil whose

@@ -264,6 +264,28 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   EXPECT_GT(left, 0.0);
 }
 
+TEST(RegularFlow, EvensOutVolumesOfWetSoilByWhatItShears) {
+  const Case scene = layer(0.0, 0.0);
+  Solid<2> solid(scene);
+  const auto [setup, unused] = set_up<2>(scene);
+  State<2> state = solid.state();
+  auto& p = state.particles;
+  std::fill_n(p.plastic_strain.begin(), p.free(), 1.0);
+  const double before = p.volume[44];
+  const auto evened = [&](double coverage, double shear) {
+    State<2> treated = state;
+    for (auto& node : treated.nodes) node.gradient << 0.0, shear, 0.0, 0.0;  // 1/s, in 1 s
+    treated.external.coverage = ScalarArray(p.size(), coverage);
+    treated.particles.volume[44] = 1.01 * before;
+    keep_flow_regular<2>(setup, 1.0, false, treated);
+    return 1.01 - treated.particles.volume[44] / before;
+  };
+  const double in_full = evened(1.0, 0.01);
+  EXPECT_GT(in_full, 0.001);
+  EXPECT_NEAR(evened(1.0, 1e-4), 0.05 * in_full, 0.001 * in_full);
+  EXPECT_GT(evened(0.0, 1e-4), 0.9 * in_full);  // dry soil, of which elastic shear suffices
+}
+
 TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
   Case scene = layer(0.0, 0.0);
   scene.soils[0].cohesion = 2000.0;  // the disturbance itself is within the cone
