@@ -137,6 +137,12 @@ std::string ignored(const Case& scene, const RunOptions& options) {
   }
   for (std::size_t i = 0; i < scene.loads.size(); ++i)
     if (scene.loads[i].start) add(fmt::format("load[{}] (it has a start)", i));
+  for (std::size_t i = 0; i < scene.plates.size(); ++i) {
+    const Plate& plate = scene.plates[i];
+    if (plate.start) add(fmt::format("plate[{}] (it has a start)", i));
+    for (const auto* series : {&plate.displacement, &plate.speed, &plate.along, &plate.force})
+      changes(*series, fmt::format("plate[{}]", i));
+  }
   return text;
 }
 

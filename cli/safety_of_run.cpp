@@ -104,6 +104,11 @@ Case case_of(const fs::path& run, const RunRecord& record) {
   }
   if (const auto lack = lacks_strength(scene))
     throw CaseError(fmt::format("{}: {}: key '{}': {}", run.string(), record.case_file, lack->first, lack->second));
+  if (!scene.plates.empty())
+    throw CaseError(
+        fmt::format("{}: {}: key 'plate[0]': frames do not hold where plates are, without which no factor can "
+                    "be found: expected loads in place of plates",
+                    run.string(), record.case_file));
   for (std::size_t i = 0; i < scene.walls.size(); ++i)
     if (scene.walls[i].soil == Wall::ForSoil::rough)
       throw CaseError(

@@ -121,7 +121,8 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices)
                                sight && has_two_sides(scene, wall)});
   }
   for (const auto& face : scene.water_faces) face_names.push_back(face.name);
-  for (const auto& load : scene.loads) loads.push_back({load.start, load.factor, load.traction.norm()});
+  for (const auto& load : scene.loads)
+    loads.push_back({load.start, load.factor, load.pressure ? std::abs(*load.pressure) : load.traction.norm()});
   if (!coupled && scene.fluid.drag_form != FluidCase::DragForm::pointwise) smoothed_drag.emplace(scene);
 }
 

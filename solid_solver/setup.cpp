@@ -58,7 +58,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   using Kind = typename Boundaries<D>::Kind;
   const auto& planes = setup.boundaries.planes;
   const auto& kinds = setup.boundaries.kinds;
-  bool plain = !scene.coupled() && scene.loads.empty() && !setup.boundaries.surfaces;
+  bool plain = !scene.coupled() && scene.loads.empty() && scene.plates.empty() && !setup.boundaries.surfaces;
   for (std::size_t k = 0; k < planes.size(); ++k)
     plain = plain && (kinds[k] == Kind::periodic ||
                       (kinds[k] == Kind::roller && std::abs(planes[k].normal.dot(upwards(setup))) < 1e-9));
@@ -70,7 +70,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
 template <int D>
 double weight_of_all(const Case& scene, const Setup<D>& setup) {
   double loads = 0.0;
-  for (const Load& load : scene.loads) loads += load.traction.norm();
+  for (const Load& load : scene.loads) loads += load.pressure ? std::abs(*load.pressure) : load.traction.norm();
   return *std::ranges::max_element(setup.density) * setup.gravity.norm() * setup.height + loads;
 }
 
@@ -142,7 +142,7 @@ void attach_load(const Case& scene, std::size_t which, double reach, double marg
   const auto planes = planes_of<D>(load.face, 0, margin);
   std::vector<LoadedPatch<D>> patches(planes.size());
   for (std::size_t k = 0; k < planes.size(); ++k) {
-    patches[k].traction = load.traction.head<D>();
+    patches[k].traction = load.pressure ? Vec<D>(*load.pressure * planes[k].normal) : Vec<D>(load.traction.head<D>());
     patches[k].normal = planes[k].normal;
     patches[k].level = planes[k].normal.dot(planes[k].point);
     if (load.start) patches[k].start = *load.start;
@@ -340,6 +340,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     particles.slipped.assign(n, Vec<D>::Zero());
     particles.wall_slope.assign(n, Vec<D>::Zero());
   }
+  setup.plates = make_plates<D>(scene, setup.spacing, particles.position, particles.mass);
+  particles.plates.resize(setup.plates.size());
   for (std::size_t k = 0; k < scene.loads.size(); ++k)
     attach_load<D>(scene, k, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing,
                    particles.position, setup);

@@ -4,6 +4,7 @@
 #include "common/media/seepage.hpp"
 #include "solid_solver/discretisation/boundaries.hpp"
 #include "solid_solver/discretisation/operators.hpp"
+#include "solid_solver/discretisation/plates.hpp"
 #include "solid_solver/material/model.hpp"
 #include "solid_solver/numerics/points.hpp"
 
@@ -98,6 +99,7 @@ struct Setup {
   double gauge_interval = 0.0;  ///< s; 0: gauges are read in every window
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;
+  std::vector<PlateSetup<D>> plates;
   std::vector<Soil> soils;  ///< with the strength that the models use; `model` is set in each
   std::vector<std::shared_ptr<const ConstitutiveModel>> models;  ///< one per soil
   std::vector<Elasticity> typical;  ///< one per soil: moduli under half the weight of soil and loads, where they depend

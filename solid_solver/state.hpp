@@ -18,6 +18,18 @@
 
 namespace poretwin::solid {
 
+/// Where a rigid plate is and how it moves (discretisation/plates.hpp).
+template <int D>
+struct PlateMotion {
+  Vec<D> displacement = Vec<D>::Zero();  ///< m, since time zero
+  Vec<D> velocity = Vec<D>::Zero();      ///< m/s
+  Vec<D> reaction = Vec<D>::Zero();      ///< N (2D: N/m), force of the skeleton on the plate
+  double water = 0.0;                    ///< N (2D: N/m), force of the pore pressure, against the plate's normal
+  double largest = 0.0;                  ///< N (2D: N/m), largest force between plate and soil so far
+  double pull = 0.0;                     ///< N (2D: N/m), largest pull at the soil so far
+  double pulls = 0.0;                    ///< counter: windows at whose end the plate pulled
+};
+
 /// The real particles: first those free to move, then the fixed ones behind rough walls.
 template <int D>
 struct Particles {
@@ -35,6 +47,7 @@ struct Particles {
   VecArray<D> slipped;  ///< m, displacement that belongs to the wall slip
   /// N/m3, at frictional walls: added to the body force in the slope of the stress there (wall_friction.hpp).
   VecArray<D> wall_slope;
+  std::vector<PlateMotion<D>> plates;  ///< rigid plates that press on them
   std::size_t held = 0;  ///< number of fixed particles, which are last
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   /// State variables of a particle. All rows are as long as the soil with most state variables needs.
@@ -132,6 +145,7 @@ template <int D>
 struct Passed {
   BoundaryKind kind = BoundaryKind::roller;
   double friction = 0.0;                                       ///< Coulomb's coefficient, of frictional walls
+  int plate = -1;                                              ///< number of the plate; -1: a wall at rest
   Vec<D> normal = Vec<D>::Zero(), point = Vec<D>::Zero();      ///< unit, into the soil; a point of the wall [m]
   Mat<D> bend = Mat<D>::Zero(), stretch = Mat<D>::Identity();  ///< see Surfaces::WallPoint
   Vec<D> from = Vec<D>::Zero();                                ///< m, the parent then; set where the wall is curved
@@ -155,6 +169,8 @@ struct ImageRule {
   Mat<D> velocity = Mat<D>::Identity();
   Mat<D> slip = Mat<D>::Zero();
   bool slips = false;  ///< one of the walls passed is frictional
+  bool moves = false;  ///< one of the walls passed is a plate
+  Vec<D> carried = Vec<D>::Zero();  ///< m/s, part of the image's velocity that is due to the motion of plates
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
   bool curved = false;                   ///< one of the walls passed is curved
@@ -167,6 +183,26 @@ struct ImageRule {
   }
 };
 
+/// How a plate moves an image behind it, and behind other walls perhaps: an image of the velocity v has v + velocity V
+/// with the plate's velocity V, likewise for the displacement. The image lies at place U farther with the plate's
+/// displacement U.
+template <int D>
+struct BehindPlate {
+  Index image = 0, plate = 0;
+  std::uint32_t crossing = 0;  ///< number of the plate among the image's crossings
+  bool first = true;           ///< the first plate of this image
+  Mat<D> velocity = Mat<D>::Zero(), place = Mat<D>::Zero();
+  Vec<D> shift = Vec<D>::Zero();  ///< m, shift of the image before the plates moved
+  double level = 0.0;             ///< m, level of the crossing before the plate moved
+};
+
+/// The pairs of particles with images behind one plate, from which its force on the soil is summed.
+struct PlatePairs {
+  Index plate = 0;
+  bool corner = false;  ///< images that lie behind another wall, too: the plate bears the part along its normal
+  Pairs pairs;
+};
+
 /// Pairs of real particles and images within range of each other. They stay valid while displacements are below half
 /// the skin.
 template <int D>
@@ -177,6 +213,9 @@ struct Neighbourhood {
   Vec<D> lower = Vec<D>::Zero(), upper = Vec<D>::Zero();  ///< m, bounding box of the particles when built
   std::vector<ImageRule<D>> images;
   std::vector<BehindCurved<D>> behind_curved;
+  std::vector<BehindPlate<D>> behind_plates;
+  VecArray<D> plates_at;  ///< m, displacement of the plates when the lists were built
+  std::vector<PlatePairs> plate_pairs;
   Pairs pairs;
   Views views;
 };

@@ -42,6 +42,8 @@ constexpr std::array soil_words{
     Word<Wall::ForSoil>{"none", Wall::ForSoil::none}, Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
     Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}, Word<Wall::ForSoil>{"frictional", Wall::ForSoil::frictional},
     Word<Wall::ForSoil>{"rough", Wall::ForSoil::rough}};
+constexpr std::array plate_words{Word<Plate::Surface>{"smooth", Plate::Surface::smooth},
+                                 Word<Plate::Surface>{"rough", Plate::Surface::rough}};
 /// The set of default values (case.scheme): poretwin's own, or those of Bui & Nguyen (2017).
 enum class Preset { own, paper };
 constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>{"paper", Preset::paper}};
@@ -501,12 +503,14 @@ void declare(Keys& keys, Rain& r) {
 void declare(Keys& keys, Load& l) {
   keys.text("name", l.name, {"", "Name, for messages."});
   declare(keys, l.face);
-  keys.point(
-      "traction", l.traction,
-      {"Pa",
-       "Force per area on the soil's surface near the face. With `points` the total force is the traction times the "
-       "length of the line, as far as soil lies along it.",
-       true});
+  keys.number("pressure", l.pressure,
+              {"Pa", "Instead of `traction`: force per area across the face, into the soil where it is above zero."});
+  keys.point("traction", l.traction,
+             {"Pa",
+              "Force per area on the soil's surface near the face (required without `pressure`). With `points` the "
+              "total force "
+              "is the traction times the length of the line, as far as soil lies along it.",
+              !l.pressure});
   keys.number("start", l.start,
               {"s",
                "Time from which on the load acts; absent: it always acts, and the soil comes to rest under it "
@@ -514,6 +518,30 @@ void declare(Keys& keys, Load& l) {
   keys.series(
       "factor", l.factor,
       {"1", "Factor on the traction, against time; without `start` the soil comes to rest under its first value."});
+}
+
+void declare(Keys& keys, Plate& p) {
+  keys.text("name", p.name, {"", "Name, for messages and gauges."});
+  declare(keys, p.face);
+  keys.choice<Plate::Surface>("surface", p.surface, plate_words,
+                              {"", "`smooth`: no shear between plate and soil, `rough`: no slip."});
+  keys.series("displacement", p.displacement,
+              {"m",
+               "How far the plate has moved into the soil, across its line, as a table in time that begins with 0 "
+               "at time zero."});
+  keys.series("speed", p.speed, {"m/s", "Instead of `displacement`: its speed into the soil."});
+  keys.series("force", p.force,
+              {"N/m",
+               "Instead of both: force with which the plate presses on the soil, across its line. Without "
+               "`start` the soil comes to rest under its first value before time zero."});
+  keys.series("along", p.along,
+              {"m",
+               "How far a rough plate has moved along its line, from its first towards its last point, as a table "
+               "in time that begins with 0 at time zero."});
+  keys.number("start", p.start, {"s", "Time from which on `force` acts; absent: it always acts."});
+  keys.number("mass", p.mass,
+              {"kg/m", "Mass of a plate under a force; absent: the mass of one row of the soil before it."},
+              positive());
 }
 
 void declare(Keys& keys, PorePressure& p) {
@@ -764,6 +792,10 @@ void declare_shared(Keys& keys, Case& c) {
               c.water_faces, [](Keys& inner, WaterFace& face) { declare(inner, face); });
   keys.tables("load", "A traction on the soil's surface.", c.loads,
               [](Keys& inner, Load& load) { declare(inner, load); });
+  keys.tables("plate",
+              "A rigid plate or footing on the soil's surface (2D). It moves in a prescribed way or under a force, and "
+              "does not tilt. To water as a field it is tight where no [[water_face]] lies on it.",
+              c.plates, [](Keys& inner, Plate& plate) { declare(inner, plate); });
   keys.table("coupling", "How the phases exchange.", [&](Keys& inner) { declare(inner, c.coupling); });
 }
 

@@ -207,9 +207,26 @@ struct Load {
   std::string name;
   Face face;
   Point3 traction = Point3::Zero();  ///< Pa
+  std::optional<double> pressure;    ///< Pa, across the face and into the soil, in place of the traction
   /// s; the traction acts from then on. Absent: it acts from the beginning and is part of the initial equilibrium.
   std::optional<double> start;
   std::optional<Series> factor;  ///< factor on the traction against time; absent: 1
+};
+
+/// [[plate]]: a rigid plate on the soil's surface, which moves in a prescribed way or under a force, and does not tilt.
+/// Its normal, the direction in which it presses, is that of its face: into the soil.
+struct Plate {
+  enum class Surface { smooth, rough };  ///< no friction, or no slip
+  std::string name;
+  Face face;  ///< one straight line (2D)
+  Surface surface = Surface::smooth;
+  std::optional<Series> displacement;  ///< m, along the normal, against time; 0 at time zero
+  std::optional<Series> speed;         ///< m/s, along the normal, in place of the displacement
+  std::optional<Series> force;         ///< N (2D: N/m), along the normal, in place of both
+  std::optional<Series> along;         ///< m, displacement of a rough plate along its line; 0 at time zero
+  /// s, time from which on the force acts; absent: it always acts, and the soil comes to rest under its first value.
+  std::optional<double> start;
+  std::optional<double> mass;  ///< kg (2D: kg/m), of a plate under a force; absent: that of a row of the soil before it
 };
 
 /// [[pore_pressure]]: prescribed pore water in soil that is computed without a water phase. Pores are full where the
@@ -342,6 +359,7 @@ struct Case {
   std::vector<WaterFace> water_faces;
   std::vector<Rain> rains;
   std::vector<Load> loads;
+  std::vector<Plate> plates;
   std::vector<PorePressure> pore_pressures;
   FluidCase fluid;
   SolidCase solid;

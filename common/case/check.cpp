@@ -6,6 +6,7 @@
 #include "common/case/gauge_kinds.hpp"
 #include "common/case/gauge_quantities.hpp"
 #include "common/case/materials.hpp"
+#include "common/case/plates.hpp"
 #include "common/case/unsupported.hpp"
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
@@ -41,6 +42,7 @@ class Checker : Complaints {
     fluid_regions();
     faces();
     walls();
+    check_plates(scene_, places_);
     nothing_behind_planes();
     shaped_walls();
     soil_beside_shapes();
@@ -426,6 +428,8 @@ class Checker : Complaints {
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
       const std::string key = fmt::format("load[{}]", i);
       face(scene_.loads[i].face, key);
+      if (scene_.loads[i].pressure && given(key + ".traction"))
+        fail(key, "expected either 'traction' or 'pressure', found both");
       if (scene_.loads[i].factor && scene_.solid.quiet)
         fail(key + ".factor", "soil that sleeps does not see a load that changes: expected no [solid.quiet] beside it");
     }
@@ -942,6 +946,13 @@ class Checker : Complaints {
         }
         if (gauge.kind == "level" && !named->discharge && !named->head)
           fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
+      }
+      if (gauge.kind == "plate") {
+        std::vector<std::string_view> names;
+        for (const auto& plate : scene_.plates)
+          if (!plate.name.empty()) names.push_back(plate.name);
+        if (names.empty()) fail(key + ".quantity", "expected the name of a [[plate]]: none has a name");
+        known_word(key + ".quantity", gauge.quantity, names);
       }
       if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
         fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",

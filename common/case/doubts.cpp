@@ -399,7 +399,7 @@ class Doubts : Complaints {
       idle(key + ".quantity",
            g.kind != "point" && g.kind != "momentum" && g.kind != "level" && g.kind != "passed_volume" &&
                !(g.kind == "discharge" && scene_.is_field()) && g.kind != "infiltration" && g.kind != "evaporation" &&
-               g.kind != "runoff",
+               g.kind != "runoff" && g.kind != "plate",
            fmt::format("a gauge of kind \"{}\" reads one quantity only", g.kind));
       idle(key + ".pressure_head", g.kind != "front", "it belongs to a \"front\"");
       idle(key + ".every", g.kind != "factor_of_safety", "it belongs to \"factor_of_safety\"");

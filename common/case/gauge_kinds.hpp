@@ -63,6 +63,10 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"factor_of_safety", "solid",
      "by which cohesion and tan(friction) of all soils can be divided before the soil finds no equilibrium under its "
      "weight, the loads and the water's forces of that instant; `_error`: half the width of the bracket"},
+    {"plate", "solid",
+     "of the plate named by `quantity`: the force with which it presses on the soil across its line [N/m]; `_along`: "
+     "its "
+     "force along the line, towards its last point [N/m]; `_displacement`: how far it has moved into the soil [m]"},
     {"max_displacement", "solid", "largest displacement of any particle"},
     {"max_plastic_strain", "solid", "largest plastic strain of any particle"},
     {"slip_surface", "solid",

@@ -45,6 +45,7 @@ void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   for (auto& water_face : scene.water_faces) face(water_face.face);
   for (auto& rain : scene.rains) face(rain.face);
   for (auto& load : scene.loads) face(load.face);
+  for (auto& plate : scene.plates) face(plate.face);
   for (auto& p : scene.pore_pressures) {
     if (p.region) shape(*p.region);
     if (p.to_head) {

@@ -350,11 +350,15 @@ class Supported : Complaints {
         const Point3 along = (piece.b - piece.a).normalized();
         planes.push_back({piece.a, piece.left(), along, along.dot(piece.a), along.dot(piece.b)});
       }
+      bool any = std::ranges::any_of(scene_.soils, [&](const Soil& soil) {  // looked at too coarsely to tell
+        return spacing_to_look_at(soil.shape, dx, d_) > reach;
+      });
       for (const auto& soil : scene_.soils)
         for (const auto& x : places_in(soil.shape, dx))
           for (const auto& plane : planes) {
             const double inside = plane.normal.dot(x - plane.point), along = plane.along.dot(x);
             if (std::abs(inside) > reach || along < plane.from || along > plane.to) continue;
+            any = true;
             const double off = std::abs(inside - 0.5 * dx);
             if (off <= (farthest + 0.25) * dx || soil_at(x - dx * plane.normal) != nullptr) continue;
             fail(fmt::format("load[{}]", i),
@@ -365,6 +369,10 @@ class Supported : Complaints {
                      shown(x), off, farthest * dx, farthest, reach,
                      f.points.empty() ? ", or, as a plane goes on without end, leave out what else it meets" : ""));
           }
+      if (!any)
+        fail(fmt::format("load[{}]", i),
+             fmt::format("no soil lies within {:.3g} m of the load's face: expected the face on the soil's surface",
+                         reach));
     }
   }
 
@@ -458,12 +466,11 @@ class Supported : Complaints {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i)
       for (std::size_t j = 0; j < scene_.loads.size(); ++j)
         if (scene_.walls[i].water != Wall::ForWater::none && overlap(scene_.walls[i].face, scene_.loads[j].face))
-          fail(
-              fmt::format("wall[{}]", i),
-              fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
-                          "there is no tight plate that moves with the soil; expected a drained surface under the load "
-                          "(a [[water_face]] with pressure = 0), or the load elsewhere",
-                          named("load", j, scene_.loads[j].name)));
+          fail(fmt::format("wall[{}]", i),
+               fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
+                           "expected a drained surface under the load (a [[water_face]] with pressure = 0), the load "
+                           "elsewhere, or a tight [[plate]] with fluid.representation = \"field\"",
+                           named("load", j, scene_.loads[j].name)));
   }
 
   int d_;

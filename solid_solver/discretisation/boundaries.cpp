@@ -11,6 +11,55 @@
 
 namespace poretwin::solid {
 
+namespace {
+
+/// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended by `margin` [m] beyond
+/// it, so that the corner is closed; other ends are free.
+template <int D>
+void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
+  std::vector<sph::ImagePlane<D>> others = boundaries.planes;
+  for (const Plate& plate : scene.plates)
+    for (const auto& plane : planes_of<D>(plate.face, 0, 1e-3 * margin)) others.push_back(plane);
+  for (std::size_t k = 0; k < scene.plates.size(); ++k)
+    for (auto plane : planes_of<D>(scene.plates[k].face, 0, 0.0)) {
+      const auto on_wall = [&](double along) {
+        const Vec<D> end = plane.at(along);
+        return std::ranges::any_of(others, [&](const auto& wall) {
+          const bool across = std::abs(wall.normal.dot(plane.normal)) < 0.99;
+          return across && std::abs(wall.normal.dot(end - wall.point)) < 1e-3 * margin && wall.faces(end);
+        });
+      };
+      if (plane.to > plane.from) {
+        const bool first = on_wall(plane.from), last = on_wall(plane.to);
+        if (first) plane.from -= margin;
+        if (last) plane.to += margin;
+      }
+      boundaries.kinds.push_back(scene.plates[k].surface == Plate::Surface::rough ? BoundaryKind::fixed
+                                                                                  : BoundaryKind::roller);
+      boundaries.friction.push_back(0.0);
+      boundaries.plate.push_back(static_cast<int>(k));
+      plane.boundary = static_cast<int>(boundaries.kinds.size()) - 1;
+      boundaries.planes.push_back(plane);
+    }
+}
+
+}  // namespace
+
+template <int D>
+Boundaries<D> with_plates_at(const std::vector<PlateMotion<D>>& plates, Boundaries<D> boundaries) {
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
+    if (boundaries.plate[k] < 0) continue;
+    const PlateMotion<D>& motion = plates[static_cast<std::size_t>(boundaries.plate[k])];
+    auto& plane = boundaries.planes[k];
+    plane.point += motion.displacement;
+    const double along = plane.tangent.dot(motion.displacement);
+    plane.from += along;
+    plane.to += along;
+    plane.speed = plane.normal.dot(motion.velocity);
+  }
+  return boundaries;
+}
+
 template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin) {
   using Kind = typename Boundaries<D>::Kind;
@@ -19,6 +68,7 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
   const auto number = [&](Kind kind, double friction_angle) {
     boundaries.kinds.push_back(kind);
     boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
+    boundaries.plate.push_back(-1);
     return static_cast<int>(boundaries.kinds.size()) - 1;
   };
   const auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind, double friction_angle) {
@@ -46,6 +96,7 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
       surfaces->add(wall, number(kind, wall.friction_angle));
   }
   meet_at_corners<D>(boundaries.planes, margin);
+  add_plates<D>(scene, margin, boundaries);
   if (boundaries.kinds.size() > 32)
     throw CaseError(
         fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
@@ -61,8 +112,8 @@ void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::ve
   passed.clear();
   for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
     if ((numbers >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic)
-      passed.push_back(
-          {boundaries.kinds[k], boundaries.friction[k], boundaries.planes[k].normal, boundaries.planes[k].point});
+      passed.push_back({boundaries.kinds[k], boundaries.friction[k], boundaries.plate[k], boundaries.planes[k].normal,
+                        boundaries.planes[k].point});
 }
 
 /// The points of surfaces at which an image is reflected, in this order.
@@ -71,7 +122,7 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
   passed.clear();
   for (const auto& wall : mirrors.all()) {
     const auto k = static_cast<std::size_t>(wall.boundary);
-    passed.push_back({boundaries.kinds[k], boundaries.friction[k], wall.normal.template head<D>(),
+    passed.push_back({boundaries.kinds[k], boundaries.friction[k], -1, wall.normal.template head<D>(),
                       wall.at.template head<D>(), wall.bend.template topLeftCorner<D, D>(),
                       wall.stretch().template topLeftCorner<D, D>()});
   }
@@ -160,6 +211,85 @@ void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<
   rule.swelling = swelling;
 }
 
+/// How the plates among the walls that image `which` has passed carry it.
+template <int D>
+void find_plates(std::span<const Passed<D>> passed, const std::vector<PlateMotion<D>>& plates, std::size_t which,
+                 ImageRule<D>& rule, std::vector<BehindPlate<D>>& behind) {
+  const std::size_t begin = behind.size();
+  for (std::size_t w = 0; w < passed.size(); ++w) {
+    const Mat<D> normal_part = passed[w].normal * passed[w].normal.transpose();
+    const Mat<D> mirror = Mat<D>::Identity() - 2.0 * normal_part;
+    const Mat<D> reversed = passed[w].kind == BoundaryKind::roller ? mirror : Mat<D>(-Mat<D>::Identity());
+    for (std::size_t k = begin; k < behind.size(); ++k) {
+      behind[k].velocity = (reversed * behind[k].velocity).eval();
+      behind[k].place = (mirror * behind[k].place).eval();
+    }
+    if (passed[w].plate < 0) continue;
+    BehindPlate<D>& now = behind.emplace_back();
+    now.image = static_cast<Index>(which);
+    now.plate = static_cast<Index>(passed[w].plate);
+    now.crossing = static_cast<std::uint32_t>(w);
+    now.first = behind.size() == begin + 1;
+    now.velocity = Mat<D>::Identity() - reversed;
+    now.place = 2.0 * normal_part;
+    now.level = passed[w].normal.dot(passed[w].point - plates[now.plate].displacement);
+  }
+  rule.moves = behind.size() > begin;
+  Vec<D> shift = rule.shift;
+  for (std::size_t k = begin; k < behind.size(); ++k) shift -= behind[k].place * plates[behind[k].plate].displacement;
+  for (std::size_t k = begin; k < behind.size(); ++k) behind[k].shift = shift;
+}
+
+/// Moves the images behind plates to where the plates are now.
+template <int D>
+void follow_plates(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& near) {
+  for (const BehindPlate<D>& behind : near.behind_plates) {
+    ImageRule<D>& rule = near.images[behind.image];
+    const PlateMotion<D>& plate = plates[behind.plate];
+    if (behind.first) rule.shift = behind.shift;
+    rule.shift += behind.place * plate.displacement;
+    if (behind.crossing >= rule.n_crossings) continue;
+    Crossing<D>& crossing = rule.crossings[behind.crossing];
+    crossing.level = behind.level + crossing.normal.dot(plate.displacement);
+  }
+}
+
+/// Sets the velocities that the images behind plates have from the plates.
+template <int D>
+void carry_images(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& near) {
+  for (const BehindPlate<D>& behind : near.behind_plates) {
+    Vec<D>& carried = near.images[behind.image].carried;
+    if (behind.first) carried.setZero();
+    carried += behind.velocity * plates[behind.plate].velocity;
+  }
+}
+
+/// Lists the pairs of particles with images behind each plate.
+template <int D>
+void list_plate_pairs(std::size_t n_plates, Neighbourhood<D>& near) {
+  near.plate_pairs.clear();
+  const std::size_t n = near.pairs.size();
+  for (std::size_t plate = 0; plate < n_plates; ++plate)
+    for (const bool corner : {false, true}) {
+      std::vector<char> behind(near.images.size(), 0);
+      for (const BehindPlate<D>& b : near.behind_plates)
+        if (b.plate == plate && (near.images[b.image].n_crossings > 1) == corner) behind[b.image] = 1;
+      if (std::ranges::find(behind, char{1}) == behind.end()) continue;
+      PlatePairs& list = near.plate_pairs.emplace_back();
+      list.plate = static_cast<Index>(plate);
+      list.corner = corner;
+      list.pairs.part = near.pairs.part;
+      for (std::size_t i = 0; i < n; ++i) {
+        auto& index = list.pairs.index;
+        list.pairs.alone.push_back(static_cast<Index>(index.size()));
+        for (std::size_t m = near.pairs.alone[i]; m < near.pairs.offset[i + 1]; ++m)
+          if (near.pairs.index[m] >= n && behind[near.pairs.index[m] - n]) index.push_back(near.pairs.index[m]);
+        while (index.size() % n_lanes != 0) index.push_back(static_cast<Index>(i));
+        list.pairs.offset.push_back(static_cast<Index>(index.size()));
+      }
+    }
+}
+
 }  // namespace
 
 template <int D>
@@ -208,6 +338,9 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
                                  std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
   near.images.assign(images.size(), {});
   near.behind_curved.clear();
+  near.behind_plates.clear();
+  near.plates_at.clear();
+  for (const auto& plate : particles.plates) near.plates_at.push_back(plate.displacement);
   VecArray<D> sources = particles.position;
   sources.insert(sources.end(), images.position.begin(), images.position.end());
   std::vector<Passed<D>> passed;
@@ -222,6 +355,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
       find_passed(boundaries, images.boundaries[k], passed);
     find_velocity_maps<D>(passed, rule);
     find_crossings<D>(passed, rule);
+    find_plates<D>(passed, particles.plates, k, rule, near.behind_plates);
     rule.periodic = passed.empty();
     if (!rule.curved) continue;
     BehindCurved<D>& behind = near.behind_curved.emplace_back();
@@ -235,6 +369,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   if (boundaries.surfaces) originals = images.parent;
   pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs);
   if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
+  list_plate_pairs(particles.plates.size(), near);
 }
 
 template <int D>
@@ -266,12 +401,14 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     ImageRule<D>& rule = near.images[near.behind_curved[k].image];
     turn_with_parent<D>(p.position[rule.parent], near.behind_curved[k], rule);
   });
+  follow_plates(p.plates, near);
+  carry_images(p.plates, near);
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     ImageRule<D>& rule = near.images[k];
     Node<D>& node = nodes[n + k];
     node = nodes[rule.parent];
     node.position = rule.map * nodes[rule.parent].position + rule.shift;
-    node.velocity = rule.moved(p.velocity[rule.parent], p.slip);
+    node.velocity = rule.moved(p.velocity[rule.parent], p.slip) + rule.carried;
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
     rule.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
     node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
@@ -307,15 +444,18 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       node.deformation += rule.slip * nodes[rule.parent].deformation * along;
     }
   }
+  for (const BehindPlate<D>& behind : near.behind_plates)
+    near.images[behind.image].displacement += behind.velocity * p.plates[behind.plate].displacement;
 }
 
 template <int D>
-void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+void fill_velocities(const Particles<D>& p, Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
+  carry_images(p.plates, near);
   for_rows(near.pairs, 0, n, [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     const ImageRule<D>& rule = near.images[k];
-    nodes[n + k].velocity = rule.moved(p.velocity[rule.parent], p.slip);
+    nodes[n + k].velocity = rule.moved(p.velocity[rule.parent], p.slip) + rule.carried;
   }
 }
 
@@ -323,6 +463,8 @@ template struct Boundaries<2>;
 template struct Boundaries<3>;
 template Boundaries<2> make_boundaries<2>(const Case&, double);
 template Boundaries<3> make_boundaries<3>(const Case&, double);
+template Boundaries<2> with_plates_at<2>(const std::vector<PlateMotion<2>>&, Boundaries<2>);
+template Boundaries<3> with_plates_at<3>(const std::vector<PlateMotion<3>>&, Boundaries<3>);
 template void wrap_periodic<2>(const Boundaries<2>&, VecArray<2>&);
 template void wrap_periodic<3>(const Boundaries<3>&, VecArray<3>&);
 template void keep_before_walls<2>(const Boundaries<2>&, double, const Neighbourhood<2>&, Particles<2>&);
@@ -335,7 +477,7 @@ template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArr
                             const Stabilisers&, std::vector<Node<2>>&);
 template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, const OrZero<double>&, double,
                             const Stabilisers&, std::vector<Node<3>>&);
-template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
-template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
+template void fill_velocities<2>(const Particles<2>&, Neighbourhood<2>&, std::vector<Node<2>>&);
+template void fill_velocities<3>(const Particles<3>&, Neighbourhood<3>&, std::vector<Node<3>>&);
 
 }  // namespace poretwin::solid

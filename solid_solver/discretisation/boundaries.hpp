@@ -19,6 +19,7 @@ struct Boundaries {
   std::shared_ptr<const Surfaces> surfaces;  ///< all walls, in place of planes, if any of them has a shape (3D)
   std::vector<Kind> kinds;                   ///< by boundary number
   ScalarArray friction;                      ///< Coulomb's friction coefficient, of frictional boundaries
+  std::vector<int> plate;                    ///< number of the plate that a boundary is; -1: none
   [[nodiscard]] bool any_frictional() const {
     return std::find(kinds.begin(), kinds.end(), Kind::frictional) != kinds.end();
   }
@@ -28,6 +29,10 @@ struct Boundaries {
 /// ends, so that corners are closed.
 template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin);
+
+/// The boundaries with the plates where they are now; the planes of plates have their speeds.
+template <int D>
+Boundaries<D> with_plates_at(const std::vector<PlateMotion<D>>& plates, Boundaries<D> boundaries);
 
 /// Moves particles that have left through a periodic side in through the opposite one.
 template <int D>
@@ -54,6 +59,6 @@ void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const Vec
 
 /// Sets the velocities only, between the halves of a step.
 template <int D>
-void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
+void fill_velocities(const Particles<D>& particles, Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
 
 }  // namespace poretwin::solid

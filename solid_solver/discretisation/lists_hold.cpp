@@ -107,6 +107,14 @@ class Tiles {
 template <int D>
 bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhood<D>& near) {
   const double reach = sph::support_radius * setup.smoothing_length, far = 0.5 * points::tile_reach * setup.skin;
+  double plates_moved = 0.0;  // m
+  for (std::size_t k = 0; k < p.plates.size(); ++k)
+    plates_moved = std::max(plates_moved, (p.plates[k].displacement - near.plates_at[k]).norm());
+  // An image moves by twice the way of its plate besides that of its parent.
+  const double most = 0.5 * setup.skin - plates_moved;
+  if (most < 0.25 * setup.skin) return false;
+  if (plates_moved > 0.0)
+    return parallel_all(p.free(), [&](std::size_t i) { return !(moved_by(p, near, i).norm() > most); });
   std::atomic<bool> still{true};
   const bool near_enough = parallel_all(p.free(), [&](std::size_t i) {
     const double square = moved_by(p, near, i).squaredNorm();

@@ -168,13 +168,12 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
 }
 
 template <int D>
-void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
-                    Size n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
-                    std::vector<Force<D>>& force) {
+void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const std::vector<ImageRule<D>>& rules,
+                    const VecArray<D>& displacement, Size n_free, double h, const Stabilisers& stabilisers,
+                    Kernels& kernel, std::vector<Force<D>>& force) {
   using Own = Sums<2 * D>;
   using N = Node<D>;
   constexpr Size n_head = N::at_gradient;
-  const Pairs& pairs = near.pairs;
   const PairKernel<D> derivative(h);
   const double control = 0.25 * stabilisers.hourglass_viscosity * stabilisers.sound_speed * h;
   const double stiffness = stabilisers.hourglass_stiffness * stabilisers.modulus;
@@ -187,7 +186,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   const PairView list(pairs);
   const Node<D>* const all = nodes.data();
   const Vec<D>* const displaced = displacement.data();
-  const ImageRule<D>* const images = near.images.data();
+  const ImageRule<D>* const images = rules.data();
   const Size n_real = displacement.size();
   float* const kernels = kernel.data();
   Force<D>* const forces = force.data();
@@ -359,8 +358,9 @@ void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, 
   template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);                    \
   template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                             \
   template VecArray<D> pressure_gradient_difference<D>(const State<D>&, std::span<const double>);                      \
-  template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size,      \
-                                  double, const Stabilisers&, Kernels&, std::vector<Force<D>>&);
+  template void internal_force<D>(const std::vector<Node<D>>&, const Pairs&, const std::vector<ImageRule<D>>&,         \
+                                  const VecArray<D>&, Size, double, const Stabilisers&, Kernels&,                      \
+                                  std::vector<Force<D>>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

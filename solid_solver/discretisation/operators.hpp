@@ -92,11 +92,18 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
 ///
 /// The force of a pair is V_i V_j times opposite vectors for its two particles, hence momentum is conserved.
 /// displacement [m]: of all particles; forces are computed for the first n_free of them, and the kernels of their rows
-/// are stored in `kernel`.
+/// are stored in `kernel`. pairs: those that count, of the particles and of the given images.
+template <int D>
+void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const std::vector<ImageRule<D>>& images,
+                    const VecArray<D>& displacement, std::size_t n_free, double h, const Stabilisers& stabilisers,
+                    Kernels& kernel, std::vector<Force<D>>& force);
+/// The same of all pairs in reach.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
                     std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
-                    std::vector<Force<D>>& force);
+                    std::vector<Force<D>>& force) {
+  internal_force<D>(nodes, near.pairs, near.images, displacement, n_free, h, stabilisers, kernel, force);
+}
 
 /// The part of the internal force that particles bear as parents of images behind walls of any shape, added to `force`:
 /// a particle i that sees an image of j pulls at j by the adjoint of the image's velocity map T,

@@ -4,8 +4,10 @@
 #include "common/core/threads.hpp"
 #include "solid_solver/discretisation/lists_hold.hpp"
 #include "solid_solver/dynamics/flow_regularisation.hpp"
+#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/dynamics/straining.hpp"
 #include "solid_solver/dynamics/wall_friction.hpp"
+#include "solid_solver/numerics/walls.hpp"
 
 #include <fmt/format.h>
 
@@ -19,8 +21,11 @@ template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   Particles<D>& p = state.particles;
   wrap_periodic<D>(setup.boundaries, p.position);
-  keep_before_walls<D>(setup.boundaries, setup.spacing, state.near, p);
-  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
+  Boundaries<D> moved;  // with the plates where they are
+  if (!setup.plates.empty()) moved = with_plates_at<D>(p.plates, setup.boundaries);
+  const Boundaries<D>& boundaries = setup.plates.empty() ? setup.boundaries : moved;
+  keep_before_walls<D>(boundaries, setup.spacing, state.near, p);
+  build_neighbourhood<D>(boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   refit_deformation<D>(p, state.near, setup.smoothing_length, state.nodes);
   state.rebuilds += 1.0;
   if (state.near.pairs.skipped.empty()) return;
@@ -59,6 +64,7 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
                              repelling);
     for (std::size_t i = 0; i < n_free; ++i) state.force[i].add_stabilising(repelling[i]);
   }
+  measure_reactions(setup, state);
 }
 
 template <int D>
@@ -98,6 +104,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * damping);
     state.returned_impulse.values()[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
+  drive_plates(setup, dt, drive, state);
   rub_on_walls(setup, dt, state);
   deform(setup, dt, &drive, state);
   keep_flow_regular(setup, dt, false, state);
@@ -125,6 +132,7 @@ void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& s
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
+  for (auto& plate : p.plates) plate.displacement += dt * plate.velocity;
   strain<D>(setup, dt, state);
   slide_on_walls(setup, dt, drive, state);
   state.any_yielded =
@@ -171,6 +179,15 @@ template <int D>
 void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_time) {
   const double fastest = setup.spacing / setup.longest_substep;
   const auto& p = state.particles;
+  for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+    const PlateSetup<D>& plate = setup.plates[k];
+    const double sunk = plate.normal.dot(p.plates[k].displacement);
+    if (plate.sinks_in && !(sunk <= walls::deepest_plate * setup.spacing))
+      throw DivergedError(fmt::format(
+          "plate \"{}\" has sunk by {:.4g} m into soil that lies beside its ends: farther than {:g} spacings "
+          "soil may flow over it, which is not computed; last good time {:.6g} s",
+          plate.name, sunk, walls::deepest_plate, last_good_time));
+  }
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double sum = p.velocity[i].sum() + p.position[i].sum() + p.stress[i].sum() + p.volume[i];
     if (std::isfinite(sum) && p.volume[i] > 0.0 && p.velocity[i].norm() <= fastest) continue;

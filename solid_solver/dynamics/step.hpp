@@ -13,6 +13,7 @@ struct Drive {
   ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v) by which the soil
                                  ///< tracks the fluid's prediction: bulk volume V, impedance Z (exchange/tracking.hpp)
   VecArray<D> target;            ///< m/s, target velocity of each particle
+  std::vector<PlateOrder<D>> plates;  ///< what the plates are to do; empty: they stand still
   double damping = 0.0;          ///< 1/s, damping rate of all soil
   double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while others flow
 };
@@ -64,7 +65,7 @@ template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
 
 /// Throws DivergedError with particle, stress and the last good time when a value is not finite, or when a particle
-/// crosses more than a spacing in a substep.
+/// crosses more than a spacing in a substep; likewise where a plate has sunk too far into soil beside its ends.
 template <int D>
 void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_time);
 

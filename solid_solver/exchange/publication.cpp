@@ -46,7 +46,9 @@ coupling::Publication published(const Setup<D>& setup, const State<D>& state, Po
     out.fields.push_back(std::move(f));
   };
   auto moved = [&](const auto& v) {
-    return [&](std::size_t i) { return i < n ? v[i] : images[i - n].moved(v[images[i - n].parent], p.slip); };
+    return [&](std::size_t i) {
+      return i < n ? v[i] : images[i - n].moved(v[images[i - n].parent], p.slip) + images[i - n].carried;
+    };
   };
   vectors(field::solid_velocity, moved(p.velocity));
   vectors(field::mean_solid_velocity, moved(state.mean_velocity));

@@ -214,6 +214,8 @@ double next_load_after(const Setup<D>& setup, double time) {
   double next = next_change_after(setup.water, time);
   for (const auto& patch : setup.loads)
     if (!has_begun(patch.start, time)) next = std::min(next, patch.start);
+  for (const auto& plate : setup.plates)
+    if (!has_begun(plate.start, time)) next = std::min(next, plate.start);
   return next;
 }
 

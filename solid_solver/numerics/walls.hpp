@@ -36,4 +36,13 @@ inline constexpr double line_step = 5e-3;
 /// Unit: spacings. Test: Load.IsBalancedByPressureRowByRow (untried).
 inline constexpr double moved_off_face = 0.1;
 
+/// Way that a plate may sink into soil that lies beside its ends. Farther on, soil that heaves beside it may flow over
+/// the plate. The bearing capacity of clay stays within 7 % up to here (docs/theory/plates.md).
+/// Unit: spacings. Test: Plate.ThatSinksFarBesideSoilEndsTheRun.
+inline constexpr double deepest_plate = 1.5;
+/// Largest pull of a plate at the soil, over the largest force between both, from which on the run warns of it. Waves
+/// make a plate pull for an instant.
+/// Unit: 1. Test: Plate.ThatPullsMoreThanAHundredthIsWarnedOf.
+inline constexpr double noticed_pull = 0.01;
+
 }  // namespace poretwin::solid::walls

@@ -150,6 +150,16 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
       readings.push_back({gauge.name, stress_noise<D>(setup, state), "Pa"});
       continue;
     }
+    if (gauge.kind == "plate") {
+      for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+        const PlateSetup<D>& plate = setup.plates[k];
+        if (plate.name != gauge.quantity) continue;
+        readings.push_back({gauge.name, p.plates[k].water - plate.normal.dot(p.plates[k].reaction), "N/m"});
+        readings.push_back({gauge.name + "_along", -plate.along.dot(p.plates[k].reaction), "N/m"});
+        readings.push_back({gauge.name + "_displacement", plate.normal.dot(p.plates[k].displacement), "m"});
+      }
+      continue;
+    }
     if (gauge.kind == "density_error") {
       readings.push_back({gauge.name, density_error<D>(setup, state), "1"});
       continue;

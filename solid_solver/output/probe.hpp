@@ -15,8 +15,8 @@ namespace poretwin::solid {
 /// The images from which a quantity may be read.
 enum class Reach {
   material,  ///< periodic images only: stresses, pressures and fractions have a kink at a mirror plane
-  motion,    ///< all images but those of frictional walls: velocities are reversed at fixed walls and mirrored at
-             ///< rollers
+  motion,    ///< all images but those of frictional walls and of plates: velocities are reversed at fixed walls and
+           ///< mirrored at rollers
 };
 
 /// Interpolated value at x [m] of value(particle, velocity map of the image); NaN outside the soil.
@@ -38,7 +38,7 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
     const double weight = state.particles.volume[parent] * sph::WendlandC2<D>::value(r.norm(), h);
     if (weight <= 0.0) continue;
     cover += weight;
-    if (rule && (reach == Reach::material || rule->slips) && !rule->periodic) continue;
+    if (rule && (reach == Reach::material || rule->slips || rule->moves) && !rule->periodic) continue;
     Basis basis;
     basis << 1.0, r / h;
     moment += weight * basis * basis.transpose();

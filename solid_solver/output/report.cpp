@@ -1,5 +1,6 @@
 #include "solid_solver/output/report.hpp"
 
+#include "solid_solver/numerics/walls.hpp"
 #include "solid_solver/output/readout.hpp"
 #include "solid_solver/statics/safety.hpp"
 
@@ -87,6 +88,9 @@ std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, c
   // Soil that ran away in the search starts from a shape that nobody has drawn. A layer that slides as a whole (cases/
   // sliding_layer: by a third of its height) keeps its shape.
   const bool far = rest.displacement > 0.5 * setup.height;
+  double pulls = 0.0;
+  for (const auto& plate : state.particles.plates)
+    if (plate.pull > walls::noticed_pull * plate.largest) pulls += plate.pulls;
   return {
       {"the soil's rest was not found", sought ? 1.0 : 0.0,
        fmt::format("{} steps left {:.2g} of the driving acceleration, wanted {:g}; the run starts in motion, the soil "
@@ -98,6 +102,8 @@ std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, c
        "it would have moved otherwise than the water predicted; coupling.scheme = \"iterated\" repeats "
        "such windows until both agree",
        true},
+      {"windows in which a plate pulled at the soil", pulls,
+       "soil sticks to a plate as to every wall; a real plate would have lifted off: expected no such pull", false},
       {"times the soil began to move", state.motion.begun,
        "its inertia matters: it is followed in short windows until it is calm again", false}};
 }

@@ -1,7 +1,7 @@
 // Soil that hardly moves: its departure from rest, the damping towards rest, and sleep.
 #pragma once
 
-#include "solid_solver/dynamics/step.hpp"
+#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 
 #include <numbers>
@@ -38,14 +38,24 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   return force;
 }
 
-/// Reference acceleration [m/s2]: gravity, or the forces from outside per mass, spread over the soil's height, if
-/// larger.
+/// Reference acceleration [m/s2]: gravity, or the forces from outside and of plates per mass, spread over the soil's
+/// height, if larger.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double reference = setup.gravity.norm();
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     reference = std::max(reference,
                          force_from_outside(drive, i).norm() / state.particles.mass[i] * setup.spacing / setup.height);
+  for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+    const double pressed = std::max(drive.plates.empty() ? 0.0 : std::abs(drive.plates[k].force),
+                                    state.particles.plates[k].reaction.norm());
+    reference = std::max(reference, pressed / setup.plates[k].row * setup.spacing / setup.height);
+    if (drive.plates.empty() || setup.plates[k].is_free()) continue;
+    // The stress that the way to the target causes in a column of the soil's height.
+    const double way = (drive.plates[k].target - state.particles.plates[k].displacement).norm();
+    const double speed = setup.stabilisers.sound_speed / setup.height;
+    reference = std::max(reference, speed * speed * way);
+  }
   return reference;
 }
 
@@ -87,6 +97,7 @@ template <int D>
 void stop(const Setup<D>& setup, State<D>& state) {
   for (auto& v : state.particles.velocity) v.setZero();
   for (auto& s : state.particles.slip) s.setZero();
+  for (auto& plate : state.particles.plates) plate.velocity.setZero();
   for (auto& node : state.nodes) node.gradient.setZero();
   evaluate_forces(setup, state);
 }

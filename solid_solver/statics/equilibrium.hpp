@@ -134,20 +134,33 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   RestReport report;
   report.criterion = search.criterion;
   const std::size_t n = state.particles.free();
-  const auto size = static_cast<Eigen::Index>(n * D);
+  std::vector<std::size_t> free_plates;  // whose displacements are searched for, too, along their normals
+  for (std::size_t k = 0; k < setup.plates.size(); ++k)
+    if (setup.plates[k].is_free()) free_plates.push_back(k);
+  const auto of_soil = static_cast<Eigen::Index>(n * D), of_plates = static_cast<Eigen::Index>(free_plates.size());
+  const Eigen::Index size = of_soil + of_plates;
   const State<D> start = state;
   ScalarArray held = start.particles.plastic_strain;
   std::vector<char> apart(n, 0);
   Drive<D> drive;
   external(drive, true);
   const double reference = reference_acceleration(setup, state, drive);
-  VecArray<D> moved(n, Vec<D>::Zero());
-  Flat all(moved.data()->data(), size);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(size), missing(size), towards(size), plates_towards;
   Anderson accelerated(size, depth);
   Patience patience;
   for (;; ++report.steps) {
     if (report.steps > 0) restore_state(start, state);
-    for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
+    for (std::size_t i = 0; i < n; ++i)
+      state.particles.velocity[i] = all.segment<D>(static_cast<Eigen::Index>(i * D)) / interval;
+    for (std::size_t k = 0; k < setup.plates.size(); ++k) {
+      PlateMotion<D>& plate = state.particles.plates[k];
+      plate.velocity = (drive.plates[k].target - plate.displacement) / interval;
+    }
+    for (std::size_t f = 0; f < free_plates.size(); ++f) {
+      const Vec<D>& normal = setup.plates[free_plates[f]].normal;
+      Vec<D>& velocity = state.particles.plates[free_plates[f]].velocity;
+      velocity += (all[of_soil + static_cast<Eigen::Index>(f)] / interval - normal.dot(velocity)) * normal;
+    }
     deform<D>(setup, interval, nullptr, state);
     leave_out(setup, state, apart);
     external(drive, rebuild_if_moved(setup, state));
@@ -159,8 +172,12 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
     VecArray<D> force = all_forces(setup, state, drive);
     for (std::size_t i = 0; i < n; ++i)
       if (apart[i]) force[i].setZero();
-    VecArray<D> step = stiffness.displacements(force);
-    const Flat missing(force.data()->data(), size), towards(step.data()->data(), size);
+    missing.head(of_soil) = Flat(force.data()->data(), of_soil);
+    for (std::size_t f = 0; f < free_plates.size(); ++f)
+      missing[of_soil + static_cast<Eigen::Index>(f)] = unbalanced(setup, state, drive, free_plates[f]);
+    VecArray<D> step = stiffness.displacements(force, missing.tail(of_plates), plates_towards);
+    towards.head(of_soil) = Flat(step.data()->data(), of_soil);
+    towards.tail(of_plates) = plates_towards;
     report.residual = stiffness.departure(missing.dot(towards), reference);
     if (report.steps == search.most || !std::isfinite(report.residual)) break;
     report.creeps =
@@ -180,7 +197,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
       continue;
     }
     all += accelerated.move(missing, towards);
-    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;
+    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;  // of a plate, too
   }
   if (!report.reached()) state = start;
   return report;

@@ -40,6 +40,7 @@ RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
       throw Error(ExitCode::interrupted,
                   "interrupted in the search for the soil's rest: there is nothing to resume from yet");
     if (!rebuilt) return;
+    drive.plates = orders_at(setup.plates, before_everything);
     state.external.pressure_gradient = gradient_of(setup, state, state.external.pressure, before_everything);
     drive.traction = load_forces<D>(setup, state, before_everything);
     drive.distributed.allocate(n);

@@ -105,7 +105,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
       ++late_steps;
     }
     const Unrest left = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference);
-    report.residual = left.largest;
+    report.residual = std::max(left.largest, acceleration_of_plates(setup, state, drive) / reference);
     report.creeps = state.any_yielded && left.share < search.local;
     if (report.steps % 100 == 0) report.slides = farthest_moved(state, start) > search.farthest;
     check_sound(setup, state, state.time);

@@ -14,6 +14,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   const std::size_t n = particles.size(), n_free = particles.free();
   Particles<D> laid = particles;
   laid.position = lattice;
+  for (auto& plate : laid.plates) plate = {};
   Neighbourhood<D> near;
   build_neighbourhood<D>(setup.boundaries, sph::support_radius * setup.smoothing_length, 1, laid, {}, near);
   const auto place = [&](std::size_t j) -> Vec<D> {
@@ -24,6 +25,15 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   const std::vector<Elasticity>& elasticity = setup.typical;
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
   using Matrix = Eigen::SparseMatrix<double>;
+  std::vector<std::size_t> free_plates;
+  for (std::size_t k = 0; k < setup.plates.size(); ++k)
+    if (setup.plates[k].is_free()) free_plates.push_back(k);
+  border_.assign(free_plates.size(), VecArray<D>(n_free, Vec<D>::Zero()));
+  std::vector<Vec<D>> carried(near.images.size() * free_plates.size(), Vec<D>::Zero());  // by image, then plate
+  for (const BehindPlate<D>& behind : near.behind_plates)
+    if (const auto at = std::ranges::find(free_plates, behind.plate); at != free_plates.end())
+      carried[behind.image * free_plates.size() + static_cast<std::size_t>(at - free_plates.begin())] =
+          behind.velocity * setup.plates[behind.plate].normal;
   for (Eigen::Index axis = 0; axis < D; ++axis) {
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](std::size_t i, std::size_t j, double value) {
@@ -44,6 +54,8 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const double strength =
           -volume(i) * volume(parent) * sph::WendlandC2<D>::derivative_over_r(distance, setup.smoothing_length) * form;
       add(i, i, strength);
+      for (std::size_t f = 0; f < free_plates.size() && j >= n; ++f)
+        border_[f][i][axis] += strength * carried[(j - n) * free_plates.size() + f][axis];
       if (parent >= n_free) return;
       const double coupling = j < n ? -strength : -strength * near.images[j - n].velocity(axis, axis);
       if (j < n || !near.images[j - n].curved) {
@@ -81,6 +93,21 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
           inverse_[static_cast<std::size_t>(column)][axis] = 1.0 / entry.value();
       }
   }
+  const auto m = static_cast<Eigen::Index>(free_plates.size());
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(m, m);
+  const auto times = [](const VecArray<D>& a, const VecArray<D>& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+    return sum;
+  };
+  for (const VecArray<D>& force : border_) follow_.push_back(displacements(force));
+  for (Eigen::Index a = 0; a < m; ++a) {
+    const auto f = static_cast<std::size_t>(a);
+    // Soil that goes along with the plate does not resist it.
+    for (const Vec<D>& force : border_[f]) stiffness(a, a) += force.dot(setup.plates[free_plates[f]].normal);
+    for (Eigen::Index b = 0; b < m; ++b) stiffness(a, b) -= times(border_[f], follow_[static_cast<std::size_t>(b)]);
+  }
+  compliance_ = stiffness.inverse();
   VecArray<D> weight(n_free);
   for (std::size_t i = 0; i < n_free; ++i) weight[i] = laid.mass[i] * upwards(setup);
   unit_work_ = work(weight);
@@ -122,6 +149,19 @@ VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
   }
   VecArray<D> moved(n);
   for (std::size_t i = 0; i < n; ++i) moved[i] = x[place_[i]].matrix();
+  return moved;
+}
+
+template <int D>
+VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces, const Eigen::VectorXd& on_plates,
+                                        Eigen::VectorXd& plates) const {
+  VecArray<D> moved = displacements(forces);
+  Eigen::VectorXd left = on_plates;
+  for (std::size_t f = 0; f < border_.size(); ++f)
+    for (std::size_t i = 0; i < forces.size(); ++i) left[static_cast<Eigen::Index>(f)] += border_[f][i].dot(moved[i]);
+  plates = compliance_ * left;
+  for (std::size_t f = 0; f < border_.size(); ++f)
+    for (std::size_t i = 0; i < forces.size(); ++i) moved[i] += plates[static_cast<Eigen::Index>(f)] * follow_[f][i];
   return moved;
 }
 

@@ -24,6 +24,10 @@ class Stiffness {
   Stiffness(const Setup<D>& setup, const Particles<D>& particles, const VecArray<D>& lattice, ScalarArray resistance);
   /// Approximate displacements [m] that balance the forces [N].
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces) const;
+  /// The same of the particles and of the plates under a force, along their normals; on_plates: forces [N] along those.
+  /// Returns the displacements of the particles, and sets those of the plates.
+  [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces, const Eigen::VectorXd& on_plates,
+                                          Eigen::VectorXd& plates) const;
   /// Work [J] of the forces [N] on the displacements that balance them. It takes only half of their solve.
   [[nodiscard]] double work(const VecArray<D>& forces) const;
   /// Departure from rest [1] for forces that do this work [J] on their displacements: the error of the stress in the
@@ -45,6 +49,10 @@ class Stiffness {
                                      ///< rows of the entries
   std::vector<Eigen::Array<float, D, 1>> factor_;
   std::vector<EachAxis> inverse_;  ///< inverses of the diagonals
+  /// Of each plate under a force: force [N/m] on each particle per displacement of the plate along its normal, and the
+  /// displacements of the particles that balance it.
+  std::vector<VecArray<D>> border_, follow_;
+  Eigen::MatrixXd compliance_;  ///< m/N, displacements of the plates per force on them, with the soil following
 };
 
 }  // namespace poretwin::solid

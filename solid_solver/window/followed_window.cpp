@@ -1,5 +1,6 @@
 #include "solid_solver/window/followed_window.hpp"
 
+#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/sleep/regions.hpp"
 #include "solid_solver/window/asleep.hpp"
@@ -96,10 +97,12 @@ void follow_window(const Setup<D>& setup, const coupling::Window& window, std::s
       drive.damping = setup.quiet.damping && calm && !state.still_yields ? near_critical_damping(setup) : 0.0;
       if (drive.damping > 0.0) state.damped += static_cast<double>(steps);
     }
+    if (!setup.plates.empty()) drive.plates = orders_at(setup.plates, window.time + due * interval);
     substep<D>(setup, dt, drive, state);
     watch_regions<D>(setup, drive, dt, state);
   }
   check_sound(setup, state, window.time);
+  count_pulls(setup, state);
   store_water_force(setup, water.to, water.impulse, interval, state);
   state.mean_velocity.allocate(water.tracks ? n : 0);
   for (std::size_t i = 0; i < n && water.tracks; ++i)

@@ -210,7 +210,11 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   // predicted one.
   const ScalarArray volume = p.volume;
   const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking, state);
+  const std::vector<PlateOrder<D>> orders = orders_at(setup.plates, end);
+  const std::vector<PlateMotion<D>> plates_before = p.plates;
+  if (!setup.plates.empty()) state.external.pressure_gradient = water.to;  // the plates bear the pressure at the end
   auto external = [&](Drive<D>& drive, bool rebuilt) {
+    drive.plates = orders;
     if (rebuilt && !setup.loads.empty()) drive.traction = load_forces<D>(setup, state, end - 1e-9 * std::abs(end));
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<D> mean = (p.displacement[i] - start[i]) / interval;
@@ -229,7 +233,8 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   external(drive, true);
   if (setup.can_yield) drive.distributed = by_water;
   for (auto& v : p.velocity) v.setZero();
-  if (!answers.empty()) evaluate_forces(setup, state);
+  for (auto& plate : p.plates) plate.velocity.setZero();
+  if (!answers.empty() || !setup.plates.empty()) evaluate_forces(setup, state);
   ScalarArray resistance(p.free());
   // Small springs for soil without inertia: the preconditioner needs them where no wall fixes the soil.
   const double held = statics::held_by_nothing * near_critical_damping(setup);
@@ -241,8 +246,10 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
                           : !softened(setup, state) &&
                                 unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <=
                                     statics::negligible_unrest;
+  const bool pushed =
+      plates_move(setup, state, drive, statics::elastic_error, reference_acceleration(setup, state, drive));
   bool moved = false, evaluate = !answers.empty();  // the forces are to be evaluated once the search is over
-  if (!asleep) {
+  if (!asleep || pushed) {
     const EquilibriumSearch search{
         setup.can_yield ? statics::plastic_error : statics::elastic_share * statics::elastic_error, sleep::local_share,
         statics::woken_by};
@@ -296,10 +303,14 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   if (evaluate) evaluate_forces(setup, state);
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = (p.displacement[i] - start[i]) / interval;
-    if (!asleep)
+    if (!asleep || pushed)
       state.returned_impulse.values()[i] +=
           tracked.goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
+  if (!p.plates.empty()) check_sound(setup, state, window.time);
+  count_pulls(setup, state);
+  for (std::size_t k = 0; k < p.plates.size(); ++k)
+    p.plates[k].velocity = (p.plates[k].displacement - plates_before[k].displacement) / interval;
   // Backward Euler removes the kinetic energy of the change of velocity. It does not matter below the velocity that a
   // noticeable acceleration causes in the time that a wave takes through the soil and back.
   const double reference = reference_acceleration(setup, state, drive);

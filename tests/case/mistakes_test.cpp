@@ -599,6 +599,77 @@ TEST_F(Mistakes, LoadsLieOnTheSurfaceTheyLoad) {
   EXPECT_THAT(complaint(loaded("point = [0, 0.48]\nnormal = [0, -1]\n")),
               HasSubstr("as a plane goes on without end, leave out what else it meets"))
       << "the block beside the pad is within its reach, too";
+  EXPECT_THAT(complaint(loaded("points = [[0.1, 0.9], [0, 0.9]]\n")),
+              HasSubstr("key 'load[0]': no soil lies within 0.096 m of the load's face"));
+  EXPECT_THAT(complaint(loaded("points = [[0.1, 0.48], [0, 0.48]]\npressure = 5\n")),
+              HasSubstr("key 'load[0]': expected either 'traction' or 'pressure', found both"));
+  const std::string neither = changed(loaded("points = [[0.1, 0.48], [0, 0.48]]\n"), "traction = [0, -1000]\n", "");
+  EXPECT_THAT(complaint(neither), HasSubstr("traction"));
+  EXPECT_EQ(complaint(neither + "pressure = 1000\n"), "no complaint");
+}
+
+/// A block of soil in a box, its left half under a plate.
+std::string under_plate(const std::string& line, const std::string& motion) {
+  return R"([case]
+end_time = 1
+[[soil]]
+min = [0, 0]
+max = [0.4, 0.4]
+[[wall]]
+points = [[0, 0.5], [0, 0], [0.4, 0], [0.4, 0.5]]
+[solid]
+particle_spacing = 0.02
+[[plate]]
+name = "footing"
+points = )" +
+         line + "\n" + motion + "\n";
+}
+
+TEST_F(Mistakes, PlatesLieOnTheSoilBeforeThem) {
+  const std::string sinks = "speed = 0.01";
+  EXPECT_EQ(complaint(under_plate("[[0.2, 0.4], [0, 0.4]]", sinks)), "no complaint");
+  EXPECT_EQ(complaint(under_plate("[[0.3, 0.4], [0.1, 0.4]]", sinks)), "no complaint");
+  EXPECT_EQ(complaint(under_plate("[[0.4, 0.4], [0, 0.4]]", sinks)), "no complaint");
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.5], [0, 0.5]]", sinks)),
+              HasSubstr("key 'plate[0]': the plate lies off the soil: 0 m of its line touch soil, expected at least"));
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.42], [0, 0.42]]", sinks)), HasSubstr("a gap is left between the plate"));
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.2], [0, 0.2]]", sinks)), HasSubstr("soil lies behind the plate"));
+  EXPECT_THAT(complaint(under_plate("[[0, 0.4], [0.2, 0.4]]", sinks)), HasSubstr("soil lies behind the plate"))
+      << "walked with the soil on the right";
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [0.01, 0.4]]", sinks)), HasSubstr("lies 0.01 m off wall[0]"));
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [-0.2, 0.4]]", sinks)), HasSubstr("crosses wall[0]"));
+  EXPECT_THAT(complaint(under_plate("[[0, 0.4], [0, 0]]", sinks)), HasSubstr("lies on wall[0]"));
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [0.1, 0.4], [0, 0.4]]", sinks)),
+              HasSubstr("expected its 2 ends, found 3 points"));
+}
+
+TEST_F(Mistakes, PlatesMoveInOneWay) {
+  const std::string line = "[[0.2, 0.4], [0, 0.4]]";
+  EXPECT_EQ(complaint(under_plate(line, "displacement = [[0, 0], [1, 0.01]]")), "no complaint");
+  EXPECT_EQ(complaint(under_plate(line, "force = [[0, 0], [1, 100]]\nstart = 0\nmass = 10")), "no complaint");
+  EXPECT_EQ(complaint(under_plate(line, "force = 100\nsurface = \"rough\"\nalong = [[0, 0], [1, 0.01]]")),
+            "no complaint");
+  EXPECT_THAT(complaint(under_plate(line, "")), HasSubstr("nothing says how the plate moves"));
+  EXPECT_THAT(complaint(under_plate(line, "force = 100\nspeed = 1")), HasSubstr("found more"));
+  EXPECT_THAT(complaint(under_plate(line, "displacement = 0.01")),
+              HasSubstr("key 'plate[0].displacement': is the way since time zero"));
+  EXPECT_THAT(complaint(under_plate(line, "displacement = [[0, 0], [2, 0.01], [1, 0.02]]")),
+              HasSubstr("times that increase from row to row"));
+  EXPECT_THAT(complaint(under_plate(line, "along = [[0, 0], [1, 0.01]]")), HasSubstr("expected surface = \"rough\""));
+  EXPECT_THAT(complaint(under_plate(line, "speed = 1\nmass = 3")), HasSubstr("key 'plate[0].mass'"));
+  EXPECT_THAT(complaint(under_plate(line, "speed = 1\nstart = 3")), HasSubstr("key 'plate[0].start'"));
+}
+
+TEST_F(Mistakes, PlatesStandWhereTheyAreComputed) {
+  const std::string footing = under_plate("[[0.2, 0.4], [0, 0.4]]", "speed = 0.01");
+  EXPECT_THAT(complaint(footing + "[solid.quiet]\n"), HasSubstr("expected no [solid.quiet] beside it"));
+  const std::string water = "[fluid]\nparticle_spacing = 0.02\n[[fluid.region]]\nmin = [0, 0]\nmax = [0.4, 0.4]\n";
+  EXPECT_THAT(complaint(footing + water, {"solid.model=\"rigid\""}), HasSubstr("nothing gives way to a plate"));
+  EXPECT_THAT(complaint(footing + water), HasSubstr("key 'plate[0]': water particles do not see a plate"));
+  EXPECT_EQ(complaint(footing + water, {"fluid.representation=\"field\""}), "no complaint");
+  const std::string gauge = "[[gauge]]\nname = \"q\"\nphase = \"solid\"\nkind = \"plate\"\n";
+  EXPECT_EQ(complaint(footing + gauge + "quantity = \"footing\"\n"), "no complaint");
+  EXPECT_THAT(complaint(footing + gauge + "quantity = \"foting\"\n"), HasSubstr("footing"));
 }
 
 TEST_F(Mistakes, NoTightPlateMovesWithTheSoil) {

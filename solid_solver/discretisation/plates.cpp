@@ -1,0 +1,69 @@
+#include "solid_solver/discretisation/plates.hpp"
+
+#include <algorithm>
+
+namespace poretwin::solid {
+
+template <int D>
+Vec<D> PlateSetup<D>::prescribed(double time) const {
+  Vec<D> moved = Vec<D>::Zero();
+  const double since = std::max(time, 0.0);  // the soil comes to rest before time zero
+  if (displacement) moved += displacement->at(since) * normal;
+  if (speed) moved += speed->integral(0.0, since) * normal;
+  if (slide) moved += slide->at(since) * along;
+  return moved;
+}
+
+template <int D>
+double PlateSetup<D>::force_at(double time) const {
+  return force && time >= start ? force->at(time) : 0.0;
+}
+
+template <int D>
+std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const VecArray<D>& position,
+                                       const ScalarArray& mass) {
+  std::vector<PlateSetup<D>> plates;
+  for (const Plate& given : scene.plates) {
+    PlateSetup<D>& plate = plates.emplace_back();
+    plate.name = given.name;
+    plate.displacement = given.displacement;
+    plate.speed = given.speed;
+    plate.force = given.force;
+    plate.slide = given.along;
+    if (given.start) plate.start = *given.start;
+    for (const auto& plane : planes_of<D>(given.face, 0, 0.0)) {
+      plate.normal = plane.normal;
+      plate.along = plane.tangent;
+      if constexpr (D == 2)
+        if (plane.tangent.isZero()) plate.along = Vec<2>(plane.normal.y(), -plane.normal.x());
+      for (std::size_t i = 0; i < position.size(); ++i) {
+        const double distance = plane.normal.dot(position[i] - plane.point);
+        if (distance <= 0.0 || distance >= spacing) continue;
+        const double along = plane.tangent.dot(position[i]), beyond = std::max(plane.from - along, along - plane.to);
+        if (plane.faces(position[i]))
+          plate.row += mass[i];
+        else if (beyond < spacing)
+          plate.sinks_in = true;
+      }
+    }
+    plate.mass = given.mass.value_or(plate.row);
+  }
+  return plates;
+}
+
+template <int D>
+std::vector<PlateOrder<D>> orders_at(const std::vector<PlateSetup<D>>& plates, double time) {
+  std::vector<PlateOrder<D>> orders;
+  for (const PlateSetup<D>& plate : plates) orders.push_back({plate.prescribed(time), plate.force_at(time)});
+  return orders;
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                                    \
+  template struct PlateSetup<D>;                                                                                   \
+  template std::vector<PlateSetup<D>> make_plates<D>(const Case&, double, const VecArray<D>&, const ScalarArray&); \
+  template std::vector<PlateOrder<D>> orders_at<D>(const std::vector<PlateSetup<D>>&, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::solid

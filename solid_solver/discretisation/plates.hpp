@@ -1,0 +1,52 @@
+// Rigid plates that press on the soil: moving walls of images (docs/theory/plates.md).
+#pragma once
+
+#include "solid_solver/discretisation/boundaries.hpp"
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poretwin::solid {
+
+/// A plate as the case gives it.
+template <int D>
+struct PlateSetup {
+  std::string name;
+  Vec<D> normal = Vec<D>::Zero();      ///< unit, into the soil: the direction in which the plate presses
+  Vec<D> along = Vec<D>::Zero();       ///< unit, along its line, towards its last point
+  std::optional<Series> displacement;  ///< m, along the normal
+  std::optional<Series> speed;         ///< m/s, likewise, in place of the displacement
+  std::optional<Series> force;         ///< N, likewise, in place of both
+  std::optional<Series> slide;         ///< m, displacement along the line
+  double start = -std::numeric_limits<double>::infinity();  ///< s; from then on the force acts
+  double mass = 0.0;                                        ///< kg, of a plate under a force
+  double row = 0.0;                                         ///< kg, mass of a row of the soil before the plate
+  bool sinks_in = false;  ///< soil lies beside one of its ends, which it may sink into
+  [[nodiscard]] bool is_free() const { return force.has_value(); }  ///< it moves under a force
+  /// Displacement [m] that the case prescribes at `time` [s]; without the part along the normal of a plate under a
+  /// force.
+  [[nodiscard]] Vec<D> prescribed(double time) const;
+  /// Force [N] along the normal at `time` [s].
+  [[nodiscard]] double force_at(double time) const;
+};
+
+/// What a plate is to do in a step: to be at `target` [m] at its end (a plate under a force: along its line), and the
+/// force on it along its normal [N].
+template <int D>
+struct PlateOrder {
+  Vec<D> target = Vec<D>::Zero();
+  double force = 0.0;
+};
+
+/// The plates of a case in front of soil of the given spacing [m], positions [m] and masses [kg].
+template <int D>
+std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const VecArray<D>& position,
+                                       const ScalarArray& mass);
+
+/// What the plates are to do in a step that ends at `time` [s].
+template <int D>
+std::vector<PlateOrder<D>> orders_at(const std::vector<PlateSetup<D>>& plates, double time);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,55 @@
+// The motion of rigid plates, and the force of the soil on them (docs/theory/plates.md).
+#pragma once
+
+#include "solid_solver/dynamics/step.hpp"
+
+namespace poretwin::solid {
+
+/// Sets the velocities of the plates for a step of dt [s]: those that bring plates to their targets, or those of plates
+/// under a force and the soil's reaction, with the damping rate of the soil.
+template <int D>
+void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
+
+/// Sums the forces of the skeleton and of the pore water on each plate [N], of the present state. That of the skeleton
+/// is minus the forces on the soil's particles of the images behind the plate, stabilising forces included. That of the
+/// water is the force that a stress as large as the pore pressure at the plate would have, p - d n . grad p with the
+/// distance d from the plate: the effective stress is continued to the plate in the same way. The forces of the state
+/// must be current.
+template <int D>
+void measure_reactions(const Setup<D>& setup, State<D>& state);
+
+/// Counts, at the end of a window, the plates that pull at the soil.
+template <int D>
+void count_pulls(const Setup<D>& setup, State<D>& state);
+
+/// Force [N] along its normal that is missing for the balance of plate k; 0 where its motion is prescribed.
+template <int D>
+double unbalanced(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t k) {
+  if (!setup.plates[k].is_free() || drive.plates.empty()) return 0.0;
+  const PlateMotion<D>& motion = state.particles.plates[k];
+  return drive.plates[k].force + setup.plates[k].normal.dot(motion.reaction) - motion.water;
+}
+
+/// Whether a plate has a way to go in a step, or its forces are out of balance by more than this share of a reference
+/// acceleration [m/s2].
+template <int D>
+bool plates_move(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, double share, double reference) {
+  for (std::size_t k = 0; k < drive.plates.size(); ++k) {
+    Vec<D> way = drive.plates[k].target - state.particles.plates[k].displacement;
+    if (setup.plates[k].is_free()) way -= setup.plates[k].normal.dot(way) * setup.plates[k].normal;
+    if (!way.isZero(0.0)) return true;
+    if (std::abs(unbalanced(setup, state, drive, k)) > share * reference * setup.plates[k].row) return true;
+  }
+  return false;
+}
+
+/// Largest acceleration [m/s2] that missing balance would give a plate as heavy as a row of the soil before it.
+template <int D>
+double acceleration_of_plates(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < setup.plates.size(); ++k)
+    largest = std::max(largest, std::abs(unbalanced(setup, state, drive, k)) / setup.plates[k].row);
+  return largest;
+}
+
+}  // namespace poretwin::solid
