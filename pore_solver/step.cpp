@@ -284,6 +284,14 @@ bool Stepper::solve(double interval, State& state) {
   for (int iteration = 0;; ++iteration) {
     flow_->set(variable_);
     balance(interval, state, true);
+    // A point without water cannot pay a debt of earlier residuals. It keeps the debt until enough water comes; until
+    // then it stays empty, whatever its neighbours do.
+    for (std::size_t a = 0; a < n; ++a) {
+      if (!(residual_[a] > 0.0) || !flow_->is_empty(static_cast<Index>(a))) continue;
+      residual_[a] = 0.0;
+      for (Index k = matrix_.begin(a); k < matrix_.end(a); ++k) matrix_[k] = 0.0;
+      matrix_[matrix_.diagonal(a)] = pores_;
+    }
     double left = 0.0, moved = 0.0;
     for (const double r : residual_) left += std::abs(r);
     for (const double w : net_) moved += interval * std::abs(w);
@@ -336,8 +344,10 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   for (std::size_t a = 0; a < n; ++a) base_[a] += before_[a];
   carried_ = give_ = 0.0;
   for (const double give : flow_->pores().give) give_ += give;
-  for (std::size_t a = 0; a < n && give_ == 0.0; ++a)
-    carried_ += std::abs(flow_->content(static_cast<Index>(a)).value - state.water[a]);
+  for (std::size_t a = 0; a < n && give_ == 0.0; ++a) {
+    const double excess = flow_->content(static_cast<Index>(a)).value - state.water[a];
+    if (!(excess > 0.0 && flow_->is_empty(static_cast<Index>(a)))) carried_ += std::abs(excess);
+  }
   begin({state.time, interval, state.time + g * interval});
   if (!solve(g * interval, state)) return {};
   mean_net_ = net_;
