@@ -218,12 +218,19 @@ class Maker {
       const double deep = outwards.dot(facet[0]);
       // Facets that the point sees from behind belong to soil on the other side of a gap, or to a neighbouring soil.
       if (deep < 0.0) continue;
-      const Polygon part = part_within(sides, std::move(facet));
-      if (part.empty() || !(border_share(x, part, outwards) > share)) continue;
-      if (!(deep > tiny) || !cell.nplane(2.0 * deep * outwards.x(), 2.0 * deep * outwards.y(),
+      if (part_within(sides, std::move(facet)).empty()) continue;
+      voro::voronoicell_neighbor rest;  // its copy constructor would share memory
+      rest = cell;
+      if (!(deep > tiny) || !rest.nplane(2.0 * deep * outwards.x(), 2.0 * deep * outwards.y(),
                                          2.0 * deep * outwards.z(), beyond_facet(n.facet)))
         throw CaseError(fmt::format("{}: a point of soil lies on the soil's border", scene_.path.string()));
-      sides = sides_of(cell);
+      auto left = sides_of(rest);
+      const auto section = std::find_if(left.begin(), left.end(),
+                                        [&](const CellSide& side) { return side.beyond == beyond_facet(n.facet); });
+      if (section == left.end()) continue;
+      if (!(open_share(x, *section) > share)) continue;
+      cell = rest;
+      sides = std::move(left);
     }
     net_.volume[a] = cell.volume() * spacing_ * spacing_ * spacing_;
     filling_[a] = filling(x, sides);
@@ -238,7 +245,7 @@ class Maker {
     }
   }
 
-  /// Each facet twice, first with the share of border that it needs in a cell that may be open.
+  /// Each facet twice, with the share of border that it needs: first in a cell that may be open, then in what is left.
   static std::vector<std::pair<double, TriangleMesh::Nearest>> in_two_passes(
       const std::vector<TriangleMesh::Nearest>& near) {
     constexpr double nearly_all = 0.9, most = 0.5;
@@ -248,20 +255,20 @@ class Maker {
     return result;
   }
 
-  /// The fraction of a part of a facet that is the soil's border, and not hidden by other shapes or covered by other
-  /// soil. Only the surroundings of the point count where the facet comes near: open cells reach far.
-  [[nodiscard]] double border_share(const Point3& x, const Polygon& part, const Point3& outwards) const {
+  /// The fraction of a cell's section along the soil's surface that is the soil's border, and not hidden by other
+  /// shapes or covered by other soil. Only the surroundings of the point count: open cells reach far.
+  [[nodiscard]] double open_share(const Point3& x, const CellSide& section) const {
     constexpr int divisions = 1;
     constexpr double reach = 0.8;  // spacings: beyond the middle between neighbours, not up to the next point
-    Polygon around = part;
+    Polygon around = section.corners;
     for (int d = 0; d < 3; ++d)
       for (const double sign : {-1.0, 1.0}) around = below(around, sign * Point3::Unit(d), reach);
-    if (!(measure(around).area > tiny)) around = part;
+    if (!(measure(around).area > tiny)) around = section.corners;
     double border = 0.0, all = 0.0;
     for (const auto& triangle : triangles_of(around, divisions)) {
       const Measure m = measure(triangle);
       all += m.area;
-      if (surface_.is_border(x + spacing_ * m.centre, outwards)) border += m.area;
+      if (surface_.is_open(x + spacing_ * m.centre, section.outwards)) border += m.area;
     }
     return border / all;
   }

@@ -2,7 +2,6 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
-#include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/soil_surface.hpp"
@@ -387,7 +386,14 @@ class FieldChecks : Complaints {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto found = along(f.face);
       if (found.empty()) fail(key, fmt::format("is nowhere on the soil's surface; {}", expected_of(f.face)));
-      if (f.head) below_its_top(f, key, found);
+      for (const auto& place : found)
+        for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+          if (scene_.walls[w].water != Wall::ForWater::none && !scene_.walls[w].face.normal.isZero() &&
+              lies_along(scene_.walls[w].face, place, beside_plane * dx))
+            fail(key, fmt::format("lies on {} at {} m, which lets no water through; set water = \"none\" there or move "
+                                  "one of them",
+                                  named("wall", w, scene_.walls[w].name), shown(place.at)));
+      if (f.head) below_its_top(surface, f, key, found);
     }
     std::vector<std::vector<SoilSurface::Place>> rained;
     for (std::size_t i = 0; i < scene_.rains.size(); ++i) {
@@ -408,7 +414,8 @@ class FieldChecks : Complaints {
     for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
       if (lies_along(scene_.water_faces[f].face, place, slack)) under_water(f, place.at, key);
     for (std::size_t w = 0; w < scene_.walls.size(); ++w)
-      if (scene_.walls[w].water != Wall::ForWater::none && lies_along(scene_.walls[w].face, place, slack))
+      if (scene_.walls[w].water != Wall::ForWater::none && !scene_.walls[w].face.normal.isZero() &&
+          lies_along(scene_.walls[w].face, place, slack))
         fail(key, fmt::format("falls on {} at {} m, which lets no water through; set water = \"none\" there or move one "
                               "of them",
                               named("wall", w, scene_.walls[w].name), shown(place.at)));
@@ -418,23 +425,28 @@ class FieldChecks : Complaints {
   }
   /// Refuses a head above the upper end of a face: the water would run over there. It cannot under a wall, as on the
   /// roof of a confined layer, nor where the face is level, the bed of a pond.
-  void below_its_top(const WaterFace& f, const std::string& key, const std::vector<SoilSurface::Place>& places) const {
+  void below_its_top(const SoilSurface& surface, const WaterFace& f, const std::string& key,
+                     const std::vector<SoilSurface::Place>& places) const {
     const double dx = scene_.fluid.particle_spacing;
+    double low = HUGE_VAL, sampled = -HUGE_VAL;
+    for (const auto& place : places) {
+      low = std::min(low, up_.dot(place.at));
+      sampled = std::max(sampled, up_.dot(place.at));
+    }
     Point3 top = Point3::Zero();
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (const auto& place : places)
-      for (const auto& corner : place.around) {
-        const double z = up_.dot(corner);
-        low = std::min(low, z);
-        if (z <= high) continue;
-        high = z;
-        top = corner;
-      }
-    if (f.face.within) high = std::min(high, extent(*f.face.within, up_, 3).second);
-    if (high - low < beside_plane * dx || highest(*f.head) <= high + 1e-9) return;
+    double high = -HUGE_VAL;
+    for (const auto& place : places) {
+      if (up_.dot(place.at) < sampled - dx) continue;
+      const Point3 end = upper_end(surface, f.face, place, up_, 2.0 * dx, beside_plane * dx);
+      if (up_.dot(end) <= high) continue;
+      high = up_.dot(end);
+      top = end;
+    }
+    if (high - low < beside_plane * dx || highest(*f.head) <= high + 2.0 * beside_plane * dx) return;
+    constexpr double beside_wall = 0.1;  // spacings; a face given by a shape may end a little below the wall
     const bool lid = std::any_of(scene_.walls.begin(), scene_.walls.end(), [&](const Wall& wall) {
       return wall.water != Wall::ForWater::none && !wall.face.normal.isZero() &&
-             std::abs(wall.face.normal.normalized().dot(top - wall.face.point)) < beside_plane * dx;
+             std::abs(wall.face.normal.normalized().dot(top - wall.face.point)) < beside_wall * dx;
     });
     if (!lid)
       fail(key + ".head",

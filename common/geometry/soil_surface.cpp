@@ -44,6 +44,11 @@ bool SoilSurface::is_border(const Point3& x, const Point3& outwards) const {
   return in_soil(x - step) && !in_soil(x + step);
 }
 
+bool SoilSurface::is_open(const Point3& x, const Point3& outwards) const {
+  constexpr double before = 0.25;  // spacings, more than curved surfaces depart from their tangent plane in a cell
+  return !in_soil(x + before * spacing_ * outwards) || is_border(x, outwards);
+}
+
 std::vector<SoilSurface::Place> SoilSurface::places(double apart) const {
   std::vector<Place> found;
   const auto& triangles = mesh_->triangles();
@@ -58,11 +63,7 @@ std::vector<SoilSurface::Place> SoilSurface::places(double apart) const {
         for (const double third : {1.0 / 3.0, 2.0 / 3.0}) {
           if (third > 0.5 && p + q + 1 >= parts) continue;
           const Point3 x = a + (p + third) / parts * u + (q + third) / parts * v;
-          if (!is_border(x, mesh_->normal(f))) continue;
-          // The upper of the two triangles of a parallelogram is the lower one turned round.
-          const double side = third < 0.5 ? 1.0 : -1.0;
-          const Point3 corner = x - side / (3.0 * parts) * (u + v);
-          found.push_back({x, mesh_->normal(f), {corner, corner + side / parts * u, corner + side / parts * v}});
+          if (is_border(x, mesh_->normal(f))) found.push_back({x, mesh_->normal(f)});
         }
   }
   return found;
@@ -75,6 +76,21 @@ bool lies_along(const Face& face, const SoilSurface::Place& place, double slack)
     if (normal.dot(place.outwards) > -parallel || std::abs(normal.dot(place.at - face.point)) > slack) return false;
   }
   return !face.within || contains(*face.within, place.at, 3);
+}
+
+Point3 upper_end(const SoilSurface& surface, const Face& face, const SoilSurface::Place& from, const Point3& up,
+                 double distance, double slack) {
+  const Point3 way = up - up.dot(from.outwards) * from.outwards;
+  if (way.norm() < 1e-9) return from.at;
+  const Point3 direction = way.normalized();
+  const auto there = [&](double s) {
+    const SoilSurface::Place place{from.at + s * direction, from.outwards};
+    return surface.is_border(place.at, place.outwards) && lies_along(face, place, slack);
+  };
+  double in = 0.0, out = distance;
+  if (there(out)) return from.at + out * direction;
+  while (out - in > 0.1 * slack) (there(0.5 * (in + out)) ? in : out) = 0.5 * (in + out);
+  return from.at + in * direction;
 }
 
 }  // namespace poretwin

@@ -1,4 +1,5 @@
 // The field in 3D: cells and faces of lattice bodies are exact, and flow agrees with 2D and with closed forms.
+#include "common/core/archive.hpp"
 #include "common/geometry/solid.hpp"
 #include "tests/pore/scenes.hpp"
 
@@ -208,6 +209,64 @@ TEST(PoreWaterInSpace, AtRestStaysAtRest) {
     EXPECT_NEAR(reading(water, "water_stored"), before, 1e-12);
     EXPECT_NEAR(reading(water, "water_in"), 0.0, 1e-12);
   }
+}
+
+/// Readings of the dry slab whose reservoir is filled.
+std::vector<double> seepage(int dimension) {
+  const double dx = 0.04, width = dimension == 2 ? 1.0 : 0.2;
+  Case scene;
+  std::vector<Point3> places;
+  const Series filled{{{0.0, 0.0}, {30.0, 0.3}}};
+  if (dimension == 2) {
+    Shape section;
+    section.kind = Shape::Kind::polygon;
+    section.points = {{0.0, 0.0, 0.0}, {1.2, 0.0, 0.0}, {0.8, 0.4, 0.0}, {0.4, 0.4, 0.0}};
+    scene = scene_of(sharp(0.4, 1.1e-4), section, dx, 15000.0);
+    scene.water_faces = {head_face(line(0.4, 0.4, 0.0, 0.0), 0.0), head_face(line(1.2, 0.0, 0.8, 0.4), 0.0)};
+    for (const double x : {0.3, 0.6, 0.9}) places.emplace_back(x, 0.06, 0.0);
+  } else {
+    scene = scene_in_space(sharp(0.4, 1.1e-4), slab(dx), dx, 15000.0);
+    scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, -1}), 0.0), head_face(plane({1.2, 0, 0}, {-1, 0, -1}), 0.0)};
+    for (const double x : {0.3, 0.6, 0.9}) places.emplace_back(x, 0.1, 0.06);
+  }
+  scene.water_faces[0].name = "reservoir";
+  scene.water_faces[0].head = filled;
+  scene.gauges = {gauge("q", "discharge", {}, "reservoir"), gauge("water", "balance"),
+                  gauge("psi", "point", places, "pressure_head")};
+  PoreWater water(scene);
+  std::vector<double> readings;
+  for (const double time : {1000.0, 15000.0}) {
+    run_to(water, time);
+    readings.push_back(reading(water, "water_stored") / width);
+    readings.push_back(reading(water, "q") / width * 1e4);
+  }
+  for (const char* psi : {"psi[0]", "psi[1]", "psi[2]"}) readings.push_back(reading(water, psi));
+  EXPECT_LT(std::abs(reading(water, "water_error")), 1e-10 * reading(water, "water_in"));
+  return readings;
+}
+
+TEST(PoreWaterInSpace, ASlabSeepsAsIn2D) {
+  const auto plane = seepage(2), space = seepage(3);
+  for (std::size_t i = 0; i < plane.size(); ++i) EXPECT_NEAR(space[i], plane[i], 1e-3 * std::abs(plane[i])) << i;
+}
+
+/// Two runs of the same case are equal to the bit, and so is one that goes on from an archive.
+TEST(PoreWaterInSpace, ARunThatGoesOnFromItsArchiveIsTheSame) {
+  Case scene = scene_in_space(van_genuchten(0.05, 0.4, 2.0, 2.0, 1e-4), slab(0.08), 0.08, 1e4);
+  scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, -1}), 0.3)};
+  scene.fluid.initial_water_table = 0.0;
+  PoreWater first(scene), second(scene), third(scene);
+  run_to(first, 3000.0);
+  Archive out;
+  first.archive(out);
+  run_to(first, 6000.0);
+  run_to(second, 3000.0);
+  run_to(second, 6000.0);
+  Archive in(out.bytes());
+  third.archive(in);
+  run_to(third, 6000.0);
+  EXPECT_EQ(first.state().water, second.state().water);
+  EXPECT_EQ(first.state().water, third.state().water);
 }
 
 /// Radial flow to a well that is drawn as a hole, between heads at r = 0.8 and 4 m under a sealed roof (Thiem 1906).
