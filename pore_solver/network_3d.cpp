@@ -152,14 +152,9 @@ class Maker {
  private:
   [[nodiscard]] Point3 local(const Point3& x) const { return (x - origin_) / spacing_; }
 
-  /// The points of one soil: in soil that moves its particles, otherwise all points of a lattice over the soil's box
-  /// that lie in the soil.
+  /// The points of one soil: all points of a lattice over the soil's box that lie in the soil.
   [[nodiscard]] std::vector<Point3> points_of(std::size_t s) const {
     const Shape& shape = scene_.soils[s].shape;
-    if (scene_.deformable())
-      return lay<3>(shape, spacing_, scene_.solid.offset, scene_.solid.jitter,
-                    scene_.solid.seed + static_cast<unsigned>(s))
-          .position;
     const auto& f = scene_.fluid;
     const unsigned seed = f.seed + static_cast<unsigned>(s);
     if (!is_packed(shape)) return fill<3>(shape, spacing_, f.offset, f.jitter, seed).position;

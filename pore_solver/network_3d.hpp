@@ -5,7 +5,7 @@
 
 namespace poretwin::pore {
 
-/// The network of a 3D case. Points a spacing apart fill each soil: in soil that moves its particles, otherwise a lattice.
+/// The network of a 3D case. Points fill each soil on a lattice.
 /// Cells are cut off at planes of the soil's surface, the nearest first: where the surface is convex, its facets bound
 /// the cells exactly; where the soil goes around a hole or a notch, a cell ends at the nearest facet's plane and loses
 /// what lies beyond it beside the hole. Throws CaseError where the soil's border is not closed or a soil has no point.

@@ -573,7 +573,7 @@ void declare(Keys& keys, FluidCase& f) {
       {"",
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
-       "or not, `particle_spacing` apart; of soil that moves its particles (docs/theory/pore_water_field.md); `auto`: "
+       "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); `auto`: "
        "`field` where the case has a key for a field only, or has neither free water, inertia nor soil that can yield, "
        "and nothing else that a field lacks; otherwise `particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,

@@ -98,10 +98,9 @@ class FieldChecks : Complaints {
 
  private:
   void scene() const {
-    if (dimension_ == 3 && scene_.can_yield())
+    if (dimension_ == 3 && scene_.deformable())
       fail("fluid.representation",
-           "a field in 3D is for soil that is rigid or elastic so far; expected solid.model = \"rigid\" or "
-           "\"elastic\", or \"particles\"");
+           "a field in 3D is for rigid soil so far; expected solid.model = \"rigid\", or \"particles\"");
     if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
     if (up_.isZero() && asks_for_heads())
       fail("case.gravity",
@@ -183,6 +182,12 @@ class FieldChecks : Complaints {
     if (scene_.coupling.scheme == CouplingCase::Scheme::parallel)
       fail("coupling.scheme",
            "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
+    // The soil's solver looks for the water behind its surface along faces by points.
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
+      if (const WaterFace& f = scene_.water_faces[i];
+          f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0)))
+        fail(fmt::format("water_face[{}].point", i),
+             "a field in soil that moves needs the ends of a face with water behind it; expected 'points'");
     if (scene_.can_yield() && !scene_.rains.empty())
       fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)

@@ -225,8 +225,8 @@ TEST_F(Field, WellsMustStandInSoil) {
               AllOf(HasSubstr("well[0].name"), HasSubstr("water_face[1]")));
   EXPECT_THAT(complaint(dam_in_space, {"gauge.0.quantity=\"wall\""}),
               AllOf(HasSubstr("gauge[0].quantity"), HasSubstr("\"well\"")));
-  EXPECT_THAT(complaint(changed(dam_in_space, "model = \"rigid\"", "model = \"drucker_prager\"")),
-              HasSubstr("fluid.representation"));
+  EXPECT_THAT(complaint(changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"")),
+              AllOf(HasSubstr("fluid.representation"), HasSubstr("3D")));
   EXPECT_EQ(complaint(dam + "[[well]]\npoints = [[0.6, 0.2]]\nradius = 0.002\nhead = 0.25\n"), "no complaint");
 }
 
