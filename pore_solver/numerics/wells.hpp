@@ -7,7 +7,7 @@ namespace poretwin::pore::wells {
 /// Radius of the patch of points around a well's axis from which its equivalent radius is found. On a square lattice
 /// the result is 0.1985 spacings to 0.5 % at this radius; a patch reaches no farther than the soil that `check` demands
 /// around a well.
-/// Unit: spacings. Test: Wells.OnALatticeTheEquivalentRadiusIsThatOfPeaceman (untried).
+/// Unit: spacings. Test: Wells.OnALatticeTheEquivalentRadiusIsThatOfPeaceman.
 inline constexpr double patch_radius = 3.2;
 /// Distance beyond the screen's ends to which the patch goes on along the axis.
 /// Unit: spacings. Test: none known.

@@ -57,6 +57,15 @@ TEST(Wells, OnALatticeTheEquivalentRadiusIsThatOfPeaceman) {
     EXPECT_NEAR(p.equivalent_radius, exact * 0.1, 0.005 * exact * 0.1);
   }
   EXPECT_NEAR(length, 0.5, 1e-9);
+  // A screen that ends inside cells.
+  Well part = well_at(0.95, 0.95, 0.005);
+  part.points[0].z() = 0.08;
+  part.points[1].z() = 0.41;
+  const auto cells = pierced_by(space, net, part);
+  ASSERT_EQ(cells.size(), 5u);
+  EXPECT_NEAR(cells.front().to - cells.front().from, 0.02, 1e-6);
+  EXPECT_NEAR(cells.back().to - cells.back().from, 0.01, 1e-6);
+  for (const auto& p : cells) EXPECT_NEAR(p.equivalent_radius, exact * 0.1, 0.005 * exact * 0.1);
 
   const Case section = scene_of(sharp(0.3, 1e-4), box(0, 0, 2, 2), 0.1, 1.0);
   Well drain = well_at(0.95, 0.95, 0.005);
@@ -120,6 +129,24 @@ TEST(Wells, AWellThatIsPumpedEmptyTakesWhatComes) {
   EXPECT_GT(reading(water, "q"), 5e-5);
   EXPECT_LT(reading(water, "q"), 2e-4);
   EXPECT_LT(std::abs(reading(water, "water_error")), 1e-10 * reading(water, "water_in"));
+}
+
+/// Cells of disordered points need no other formula.
+TEST(Wells, DisorderedPointsYieldWhatThiemGives) {
+  const double k = 1e-4, radius = 0.005, level = 1.0;
+  const double exact = 2.0 * pi * k * 0.5 * (2.0 - level) / std::log(2.0 * conformal_radius() / radius);
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    Case scene = layer(sharp(0.3, k), 0.1);
+    scene.fluid.jitter = 0.2;
+    scene.fluid.seed = seed;
+    Well well = well_at(1.0, 1.0, radius);
+    well.head = constant(level);
+    scene.wells = {well};
+    scene.gauges = {gauge("q", "discharge", {}, "well")};
+    PoreWater water(scene);
+    run_to(water, 1e5);
+    EXPECT_NEAR(reading(water, "q"), exact, 0.01 * exact) << seed;
+  }
 }
 
 /// In a vertical section a well is a drain: a square, full of water under high heads at its sides.
