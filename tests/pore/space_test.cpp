@@ -252,9 +252,14 @@ TEST(PoreWaterInSpace, ASlabSeepsAsIn2D) {
 
 /// Two runs of the same case are equal to the bit, and so is one that goes on from an archive.
 TEST(PoreWaterInSpace, ARunThatGoesOnFromItsArchiveIsTheSame) {
-  Case scene = scene_in_space(van_genuchten(0.05, 0.4, 2.0, 2.0, 1e-4), slab(0.08), 0.08, 1e4);
-  scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, -1}), 0.3)};
+  Case scene = scene_in_space(van_genuchten(0.05, 0.4, 2.0, 2.0, 1e-4), block({0, 0, 0}, {0.8, 0.64, 0.4}), 0.08, 1e4);
+  scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, 0}), 0.3)};
   scene.fluid.initial_water_table = 0.0;
+  Well well;  // its level is a part of the state
+  well.points = {{0.4, 0.32, 0.02}, {0.4, 0.32, 0.3}};
+  well.radius = 0.005;
+  well.discharge = constant(1e-6);
+  scene.wells = {well};
   PoreWater first(scene), second(scene), third(scene);
   run_to(first, 3000.0);
   Archive out;
@@ -267,6 +272,7 @@ TEST(PoreWaterInSpace, ARunThatGoesOnFromItsArchiveIsTheSame) {
   run_to(third, 6000.0);
   EXPECT_EQ(first.state().water, second.state().water);
   EXPECT_EQ(first.state().water, third.state().water);
+  EXPECT_EQ(first.state().level, third.state().level);
 }
 
 /// Radial flow to a well that is drawn as a hole, between heads at r = 0.8 and 4 m under a sealed roof (Thiem 1906).
