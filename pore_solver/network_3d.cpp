@@ -25,7 +25,7 @@ constexpr double beside = 1e-3;
 
 /// One side of a cell, and what lies beyond it.
 struct CellSide {
-  int beyond = 0;  ///< index of a point, or beyond_facet() of a facet of the soil's surface
+  int beyond = 0;   ///< index of a point, or beyond_facet() of a facet of the soil's surface
   Polygon corners;  ///< relative to the cell's point, in spacings
   Point3 outwards;  ///< unit
   Point3 centre;
@@ -174,13 +174,16 @@ class Maker {
       const std::size_t before = places.size();
       for (const auto& x : points_of(s)) places.emplace_back(x, s);
       if (places.size() == before)
-        throw CaseError(fmt::format("{}: soil[{}] is so thin that no point of the field lies in it; expected a smaller "
-                                    "fluid.particle_spacing than {} m",
-                                    scene_.path.string(), s, spacing_));
+        throw CaseError(
+            fmt::format("{}: soil[{}] is so thin that no point of the field lies in it; expected a smaller "
+                        "fluid.particle_spacing than {} m",
+                        scene_.path.string(), s, spacing_));
     }
-    const Point3 u = up_.isZero() ? Point3::UnitX() : up_.unitOrthogonal(), v = up_.isZero() ? Point3::UnitY() : up_.cross(u);
+    const Point3 u = up_.isZero() ? Point3::UnitX() : up_.unitOrthogonal(),
+                 v = up_.isZero() ? Point3::UnitY() : up_.cross(u);
     const auto order = [&](const std::pair<Point3, std::size_t>& p) {
-      return std::tuple(std::floor(u.dot(p.first) / spacing_), std::floor(v.dot(p.first) / spacing_), -up_.dot(p.first));
+      return std::tuple(std::floor(u.dot(p.first) / spacing_), std::floor(v.dot(p.first) / spacing_),
+                        -up_.dot(p.first));
     };
     std::stable_sort(places.begin(), places.end(), [&](const auto& p, const auto& q) { return order(p) < order(q); });
     for (const auto& [x, soil] : places) {
@@ -202,8 +205,8 @@ class Maker {
       return std::tie(p.distance, p.facet) < std::tie(q.distance, q.facet);
     });
     auto sides = sides_of(cell);
-    // A cell that is still open reaches beyond the soil, where parts of facets are no border. Facets that are border all
-    // over the cell cut it first, the others by what is left of it.
+    // A cell that is still open reaches beyond the soil, where parts of facets are no border. Facets that are border
+    // all over the cell cut it first, the others by what is left of it.
     for (const auto& [share, n] : in_two_passes(near)) {
       const auto& triangles = surface_.facets().triangles();
       Polygon facet;

@@ -57,7 +57,8 @@ inline std::vector<Polygon> triangles_of(const Polygon& polygon, int divisions) 
     std::vector<Polygon> finer;
     for (const auto& t : parts) {
       const Point3 ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
-      for (const Polygon& quarter : {Polygon{t[0], ab, ca}, Polygon{t[1], bc, ab}, Polygon{t[2], ca, bc}, Polygon{ab, bc, ca}})
+      for (const Polygon& quarter :
+           {Polygon{t[0], ab, ca}, Polygon{t[1], bc, ab}, Polygon{t[2], ca, bc}, Polygon{ab, bc, ca}})
         finer.push_back(quarter);
     }
     parts = std::move(finer);

@@ -5,8 +5,8 @@
 #include "common/numerics/csr.hpp"
 #include "pore_solver/numerics/wells.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -179,14 +179,16 @@ void add_wells(const Case& scene, Network& network) {
     const Well& well = scene.wells[w];
     const auto pierced = pierced_by(scene, network, well);
     if (pierced.empty())
-      throw CaseError(fmt::format("{}: well[{}]: its screen pierces no cell of the soil's points", scene.path.string(), w));
+      throw CaseError(
+          fmt::format("{}: well[{}]: its screen pierces no cell of the soil's points", scene.path.string(), w));
     const bool plane = scene.general.dimension == 2;
     const Point3 direction = plane ? Point3::Zero() : Point3((well.points.back() - well.points.front()).normalized());
     for (const auto& p : pierced) {
       if (!(p.equivalent_radius > well.radius))
-        throw CaseError(fmt::format("{}: well[{}]: its radius of {} m is larger than the equivalent radius of a cell, {:.4g} "
-                                    "m; expected a narrower well or a larger fluid.particle_spacing",
-                                    scene.path.string(), w, well.radius, p.equivalent_radius));
+        throw CaseError(
+            fmt::format("{}: well[{}]: its radius of {} m is larger than the equivalent radius of a cell, {:.4g} "
+                        "m; expected a narrower well or a larger fluid.particle_spacing",
+                        scene.path.string(), w, well.radius, p.equivalent_radius));
       const Point3 a = well.points.front() + p.from * direction, b = well.points.front() + p.to * direction;
       // A screen that is not upright also rises and falls around its circumference.
       const double aside = well.radius * std::sqrt(std::max(0.0, 1.0 - std::pow(up.dot(direction), 2)));

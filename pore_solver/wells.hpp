@@ -22,7 +22,7 @@ void add_wells(const Case& scene, Network& network);
 /// A cell that a screen pierces.
 struct Pierced {
   Index point = 0;
-  double from = 0.0, to = 0.0;   ///< m, along the axis from its start: the part in the point's cell
+  double from = 0.0, to = 0.0;     ///< m, along the axis from its start: the part in the point's cell
   double equivalent_radius = 0.0;  ///< m
 };
 /// The cells that a well's screen pierces, in their order along it (3D), or the cell around it (2D).

@@ -41,8 +41,8 @@ class SoilSurface {
 /// `outwards`, and within its shape, if it has one. slack [m]: distance up to which a place counts as lying there.
 bool lies_along(const Face& face, const SoilSurface::Place& place, double slack);
 
-/// The place at which a face ends above one of its places: the highest place of the soil's border along the face that is
-/// reached from there within a distance [m] along the steepest way up its facet.
+/// The place at which a face ends above one of its places: the highest place of the soil's border along the face that
+/// is reached from there within a distance [m] along the steepest way up its facet.
 Point3 upper_end(const SoilSurface& surface, const Face& face, const SoilSurface::Place& from, const Point3& up,
                  double distance, double slack);
 

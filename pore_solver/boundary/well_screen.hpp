@@ -5,8 +5,8 @@
 
 namespace poretwin::pore {
 
-/// Still water in the well up to a level at which the screen as a whole passes the prescribed discharge (`Stepper` finds
-/// it); above the level water seeps out of the soil and falls down the well.
+/// Still water in the well up to a level at which the screen as a whole passes the prescribed discharge (`Stepper`
+/// finds it); above the level water seeps out of the soil and falls down the well.
 class WellScreen final : public WaterBehind {
  public:
   explicit WellScreen(Series discharge) : discharge_(std::move(discharge)) {}
@@ -24,7 +24,7 @@ class WellScreen final : public WaterBehind {
   [[nodiscard]] double next_corner(double time) const override { return next_knot(discharge_, time); }
 
  private:
-  Series discharge_;                    ///< m3/s (2D: m2/s), out of the soil
+  Series discharge_;                   ///< m3/s (2D: m2/s), out of the soil
   double inflow_ = 0.0, level_ = 0.0;  ///< m3/s (2D: m2/s); m
 };
 

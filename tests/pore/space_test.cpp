@@ -200,7 +200,8 @@ TEST(PoreWaterInSpace, AtRestStaysAtRest) {
     Case scene = scene_in_space(soil, slab(0.05), 0.05, 1e6);
     scene.fluid.jitter = 0.2;
     scene.fluid.initial_water_table = 0.23;
-    scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, -1}), 0.23), head_face(plane({1.2, 0, 0}, {-1, 0, -1}), 0.23)};
+    scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, -1}), 0.23),
+                         head_face(plane({1.2, 0, 0}, {-1, 0, -1}), 0.23)};
     scene.gauges = {gauge("h", "point", {{0.6, 0.1, 0.1}, {0.31, 0.02, 0.2}}, "head"), gauge("water", "balance")};
     PoreWater water(scene);
     const double before = reading(water, "water_stored");
@@ -278,8 +279,7 @@ TEST(PoreWaterInSpace, ARunThatGoesOnFromItsArchiveIsTheSame) {
 /// Radial flow to a well that is drawn as a hole, between heads at r = 0.8 and 4 m under a sealed roof (Thiem 1906).
 TEST(PoreWaterInSpace, FlowsToADrawnWellAsThiem) {
   const double dx = 0.2, k = 1e-4, inner = 0.8, outer = 4.0, high = 0.6;
-  const Shape ring =
-      made(cylinder({0, 0, 0}, {0, 0, high}, outer), dx, {}, {cylinder({0, 0, -1}, {0, 0, 1}, inner)});
+  const Shape ring = made(cylinder({0, 0, 0}, {0, 0, high}, outer), dx, {}, {cylinder({0, 0, -1}, {0, 0, 1}, inner)});
   Case scene = scene_in_space(sharp(0.3, k), ring, dx, 1e4);
   Shape inside = made(cylinder({0, 0, 1e-3}, {0, 0, high - 1e-3}, 1.2), dx);
   Shape outside = made(block({-5, -5, 1e-3}, {5, 5, high - 1e-3}), dx, {}, {cylinder({0, 0, -1}, {0, 0, 1}, 3.6)});
