@@ -78,8 +78,9 @@ State Stepper::first_state(const Case& scene) {
   for (std::size_t a = 0; a < network_.size(); ++a) {
     const auto point = static_cast<Index>(a);
     const double z = network_.elevation[a];
-    const bool wet = std::any_of(f.regions.begin(), f.regions.end(),
-                                 [&](const Shape& region) { return contains(region, network_.position[a], scene.general.dimension); });
+    const bool wet = std::any_of(f.regions.begin(), f.regions.end(), [&](const Shape& region) {
+      return contains(region, network_.position[a], scene.general.dimension);
+    });
     // Where the case gives none of these, soil without capillarity is dry: the head is that far above any water.
     const double head = f.initial_pressure_head ? f.initial_pressure_head->at(z)
                         : f.initial_water_table ? *f.initial_water_table - z

@@ -522,8 +522,9 @@ void declare(Keys& keys, Well& w) {
                "Volume per time that is pumped out of the soil (2D: m2/s), below zero: into it. Where the soil yields "
                "less, the well stands empty down to the lower end of its screen and takes what comes."});
   keys.series("head", w.head,
-              {"m", "Instead of `discharge`: elevation (along -gravity) of the water in the well. Above it water only "
-                    "seeps out of the soil."});
+              {"m",
+               "Instead of `discharge`: elevation (along -gravity) of the water in the well. Above it water only "
+               "seeps out of the soil."});
 }
 
 void declare(Keys& keys, Load& l) {
@@ -573,7 +574,8 @@ void declare(Keys& keys, FluidCase& f) {
       {"",
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
-       "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); `auto`: "
+       "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); "
+       "`auto`: "
        "`field` where the case has a key for a field only, or has neither free water, inertia nor soil that can yield, "
        "and nothing else that a field lacks; otherwise `particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,
@@ -757,7 +759,8 @@ void declare(Keys& keys, Gauge& g) {
             {"",
              "With `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. With `momentum`: "
              "one component, `momentum_x`, `momentum_y` or `momentum_z`. With `level`, `passed_volume` and, of a "
-             "field, `discharge`: name of the face or well. With `infiltration`, `evaporation`, `runoff`: name of the rain."});
+             "field, `discharge`: name of the face or well. With `infiltration`, `evaporation`, `runoff`: name of the "
+             "rain."});
   keys.points("points", g.points,
               {"m",
                "Places of the readings; for a line or a direction its two ends; a face is walked with the domain on "

@@ -207,8 +207,8 @@ struct Rain {
 /// [[well]]: water that is pumped out of the soil or into it along a screen, or a level that the well keeps.
 struct Well {
   std::string name;
-  std::vector<Point3> points;  ///< m, both ends of the screen; 2D: the centre of a drain across the section
-  double radius = 0.0;         ///< m
+  std::vector<Point3> points;       ///< m, both ends of the screen; 2D: the centre of a drain across the section
+  double radius = 0.0;              ///< m
   std::optional<Series> discharge;  ///< m3/s (2D: m2/s), pumped out of the soil; below zero: into it
   std::optional<Series> head;       ///< m, elevation (along -gravity) of the water in the well
 };

@@ -929,9 +929,9 @@ class Checker : Complaints {
              fmt::format("a slip surface is looked for between two lines: expected the 2 ends of each, "
                          "found {} points",
                          gauge.points.size()));
-      const bool of_well = !gauge.quantity.empty() &&
-                           std::any_of(scene_.wells.begin(), scene_.wells.end(),
-                                       [&](const Well& well) { return well.name == gauge.quantity; });
+      const bool of_well =
+          !gauge.quantity.empty() && std::any_of(scene_.wells.begin(), scene_.wells.end(),
+                                                 [&](const Well& well) { return well.name == gauge.quantity; });
       if ((gauge.kind == "level" || gauge.kind == "passed_volume" || of_face) && !of_well) {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),

@@ -90,7 +90,8 @@ class FieldChecks : Complaints {
   [[nodiscard]] std::string asks_for_inertia() const {
     if (!scene_.deformable()) return {};
     if (scene_.can_yield()) return "the soil can yield, and a slide has inertia";
-    if (!scene_.solid.initial_velocity.isZero() || scene_.solid.initial_wave != 0.0) return "the soil has a velocity at time zero";
+    if (!scene_.solid.initial_velocity.isZero() || scene_.solid.initial_wave != 0.0)
+      return "the soil has a velocity at time zero";
     for (std::size_t i = 0; i < scene_.loads.size(); ++i)
       if (scene_.loads[i].factor) return fmt::format("load[{}] changes in time, which may raise waves", i);
     return {};
@@ -406,7 +407,8 @@ class FieldChecks : Complaints {
       auto found = along(scene_.rains[i].face);
       std::erase_if(found, [&](const auto& place) { return !(up_.dot(place.outwards) > least_upwards); });
       if (found.empty())
-        fail(key, fmt::format("falls nowhere on soil's surface that looks upwards; {}", expected_of(scene_.rains[i].face)));
+        fail(key,
+             fmt::format("falls nowhere on soil's surface that looks upwards; {}", expected_of(scene_.rains[i].face)));
       for (const auto& place : found) rain_in_space(i, key, place);
     }
   }
@@ -421,12 +423,14 @@ class FieldChecks : Complaints {
     for (std::size_t w = 0; w < scene_.walls.size(); ++w)
       if (scene_.walls[w].water != Wall::ForWater::none && !scene_.walls[w].face.normal.isZero() &&
           lies_along(scene_.walls[w].face, place, slack))
-        fail(key, fmt::format("falls on {} at {} m, which lets no water through; set water = \"none\" there or move one "
-                              "of them",
-                              named("wall", w, scene_.walls[w].name), shown(place.at)));
+        fail(key,
+             fmt::format("falls on {} at {} m, which lets no water through; set water = \"none\" there or move one "
+                         "of them",
+                         named("wall", w, scene_.walls[w].name), shown(place.at)));
     for (std::size_t j = 0; j < i; ++j)
       if (lies_along(scene_.rains[j].face, place, slack))
-        fail(key, fmt::format("falls where rain[{}] does, at {} m; expected one rain at each place", j, shown(place.at)));
+        fail(key,
+             fmt::format("falls where rain[{}] does, at {} m; expected one rain at each place", j, shown(place.at)));
   }
   /// Refuses a head above the upper end of a face: the water would run over there. It cannot under a wall, as on the
   /// roof of a confined layer, nor where the face is level, the bed of a pond.
@@ -484,8 +488,9 @@ class FieldChecks : Complaints {
       const std::size_t ends = dimension_ == 3 ? 2 : 1;
       if (well.points.size() != ends)
         fail(key + ".points", fmt::format("expected {}, found {} points",
-                                          ends == 2 ? "the 2 ends of the screen" : "1 point, the centre of a drain across "
-                                                                                   "the section (2D)",
+                                          ends == 2 ? "the 2 ends of the screen"
+                                                    : "1 point, the centre of a drain across "
+                                                      "the section (2D)",
                                           well.points.size()));
       if (well.discharge.has_value() == well.head.has_value())
         fail(key, fmt::format("expected either 'discharge' or 'head', found {}", well.head ? "both" : "neither"));
@@ -495,22 +500,25 @@ class FieldChecks : Complaints {
       constexpr double widest = 0.15, nearest = 3.0, shortest = 3.0;  // spacings
       if (well.radius > widest * dx)
         fail(key + ".radius",
-             fmt::format("expected {:g} m at most, {:g} particle spacings, found {} m: a wider well is drawn as a hole in "
-                         "the soil with a [[water_face]] along it, or needs a larger fluid.particle_spacing",
-                         widest * dx, widest, well.radius));
+             fmt::format(
+                 "expected {:g} m at most, {:g} particle spacings, found {} m: a wider well is drawn as a hole in "
+                 "the soil with a [[water_face]] along it, or needs a larger fluid.particle_spacing",
+                 widest * dx, widest, well.radius));
       for (std::size_t j = 0; j < scene_.water_faces.size() && !well.name.empty(); ++j)
         if (scene_.water_faces[j].name == well.name)
-          fail(key + ".name", fmt::format("expected a name of its own, found \"{}\", which water_face[{}] has", well.name, j));
+          fail(key + ".name",
+               fmt::format("expected a name of its own, found \"{}\", which water_face[{}] has", well.name, j));
       for (std::size_t j = 0; j < i && !well.name.empty(); ++j)
         if (scene_.wells[j].name == well.name)
           fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", well.name));
       const Point3 a = well.points.front(), b = well.points.back();
       const double length = (b - a).norm();
       if (dimension_ == 3 && length < shortest * dx * (1.0 - 1e-9))
-        fail(key + ".points",
-             fmt::format("the screen is {:.4g} m long; expected {:g} particle spacings or more, {:.4g} m: near the ends "
-                         "of a shorter one water does not flow across its axis, as the well's resistance presumes",
-                         length, shortest, shortest * dx));
+        fail(
+            key + ".points",
+            fmt::format("the screen is {:.4g} m long; expected {:g} particle spacings or more, {:.4g} m: near the ends "
+                        "of a shorter one water does not flow across its axis, as the well's resistance presumes",
+                        length, shortest, shortest * dx));
       Point3 u = Point3::UnitX(), v = Point3::UnitY();
       if (dimension_ == 3) {
         u = (b - a).unitOrthogonal();
@@ -521,15 +529,17 @@ class FieldChecks : Complaints {
       for (int k = 0; k < parts; ++k) {
         const Point3 x = a + (k + 0.5) / parts * (b - a);
         if (!in_soil(x))
-          fail(key + ".points", fmt::format("the screen lies outside the soil at {} m; expected all of it in soil", shown(x)));
+          fail(key + ".points",
+               fmt::format("the screen lies outside the soil at {} m; expected all of it in soil", shown(x)));
         for (int d = 0; d < directions; ++d) {
           const double angle = 2.0 * std::numbers::pi * d / directions;
           const Point3 aside = x + nearest * dx * (std::cos(angle) * u + std::sin(angle) * v);
           if (!in_soil(aside))
             fail(key + ".points",
-                 fmt::format("the soil ends at {} m, nearer than {:g} particle spacings, {:.4g} m, from the screen at {} m; "
-                             "expected a well farther inside, or a smaller fluid.particle_spacing",
-                             shown(aside), nearest, nearest * dx, shown(x)));
+                 fmt::format(
+                     "the soil ends at {} m, nearer than {:g} particle spacings, {:.4g} m, from the screen at {} m; "
+                     "expected a well farther inside, or a smaller fluid.particle_spacing",
+                     shown(aside), nearest, nearest * dx, shown(x)));
         }
       }
     }
@@ -590,7 +600,8 @@ void choose_representation(Case& scene, const Places& places) {
       checks.of_field();
       scene.representation_chosen = "field: all water stays in soil, and nothing asks for inertia";
     } catch (const CaseError& error) {
-      scene.representation_chosen = fmt::format("particles: a field does not have what the case asks for: {}", error.what());
+      scene.representation_chosen =
+          fmt::format("particles: a field does not have what the case asks for: {}", error.what());
       chosen = Representation::particles;
     }
   }

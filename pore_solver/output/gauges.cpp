@@ -82,9 +82,9 @@ class Gauges::Reader {
     if (gauge.kind == "particles") return add(gauge.name, static_cast<double>(network_.size()), "1");
     const auto through_faces = [](const Account& a) { return a.in - a.out; };
     if (gauge.kind == "passed_volume") {
-      const bool of_well = !gauge.quantity.empty() &&
-                           std::any_of(scene_.wells.begin(), scene_.wells.end(),
-                                       [&](const Well& well) { return well.name == gauge.quantity; });
+      const bool of_well =
+          !gauge.quantity.empty() && std::any_of(scene_.wells.begin(), scene_.wells.end(),
+                                                 [&](const Well& well) { return well.name == gauge.quantity; });
       return add(gauge.name,
                  of_well ? sum(gauge, scene_.wells, &Stepper::Along::well, through_faces)
                          : sum(gauge, scene_.water_faces, &Stepper::Along::face, through_faces),
@@ -273,7 +273,8 @@ class Gauges::Reader {
   [[nodiscard]] double volume(const Gauge& gauge) const {
     double sum = 0.0;
     for (std::size_t a = 0; a < network_.size(); ++a)
-      if (!gauge.region || contains(*gauge.region, network_.position[a], scene_.general.dimension)) sum += state_.water[a];
+      if (!gauge.region || contains(*gauge.region, network_.position[a], scene_.general.dimension))
+        sum += state_.water[a];
     return sum;
   }
 

@@ -11,9 +11,9 @@
 namespace poretwin::pore {
 
 /// A place in the soil as weights of points around it. A value is linear in the triangle (3D: tetrahedron) of the
-/// nearest point and its neighbours that contains the place (Voronoi cells belong to a Delaunay triangulation). Near the
-/// border, where none contains the place, it is extrapolated linearly. All points lie in one soil, since gradients jump
-/// at the border of two.
+/// nearest point and its neighbours that contains the place (Voronoi cells belong to a Delaunay triangulation). Near
+/// the border, where none contains the place, it is extrapolated linearly. All points lie in one soil, since gradients
+/// jump at the border of two.
 struct Probe {
   std::array<Index, 4> point{};
   std::array<double, 4> weight{};

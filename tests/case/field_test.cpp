@@ -241,7 +241,8 @@ TEST_F(Field, AutoIsAFieldWhereAFieldIsRight) {
   EXPECT_THAT(chosen(dam_in_space), HasSubstr("field: "));
   // Without the keys of a field.
   const std::string plain = changed(
-      changed(changed(dam, R"(retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 })",
+      changed(changed(dam,
+                      R"(retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 })",
                       ""),
               "[[rain]]\nname = \"rain\"\npoints = [[0.8, 0.4], [0.4, 0.4]]\nrate = [[0, 1e-6], [100, 0]]\n", ""),
       "initial_water_table = 0\n", "");
@@ -254,7 +255,8 @@ TEST_F(Field, AutoIsAFieldWhereAFieldIsRight) {
               AllOf(HasSubstr("particles: "), HasSubstr("free water")));
   EXPECT_THAT(chosen(by_line, {"water_face.0.head=0.45"}), AllOf(HasSubstr("particles: "), HasSubstr("run over")));
   const std::string yields = changed(by_line, "model = \"rigid\"", "model = \"drucker_prager\"");
-  EXPECT_THAT(chosen(yields + "[[wall]]\npoints = [[0, 0], [1.2, 0]]\n"), AllOf(HasSubstr("particles: "), HasSubstr("yield")));
+  EXPECT_THAT(chosen(yields + "[[wall]]\npoints = [[0, 0], [1.2, 0]]\n"),
+              AllOf(HasSubstr("particles: "), HasSubstr("yield")));
   EXPECT_EQ(read(by_line).representation_chosen, "");
 }
 
