@@ -130,6 +130,7 @@ std::string check_text(const Case& scene, const CheckReport& report) {
   if (scene.has_water())
     text += fmt::format("fluid       {}{} {}, spacing {} m\n", about, particles.fluid,
                         scene.is_field() ? "points" : "particles at the start", scene.fluid.particle_spacing);
+  if (!scene.representation_chosen.empty()) text += fmt::format("auto        {}\n", scene.representation_chosen);
   if (scene.deformable())
     text +=
         fmt::format("solid       {}{} particles, spacing {} m\n", about, particles.solid, scene.solid.particle_spacing);
@@ -151,6 +152,8 @@ nlohmann::ordered_json check_json(const Case& scene, const CheckReport& report) 
   json["dimension"] = scene.general.dimension;
   json["end_time_s"] = scene.general.end_time;
   json["phases"] = phases(scene);
+  json["representation_chosen"] =
+      scene.representation_chosen.empty() ? Json(nullptr) : Json(scene.representation_chosen);
   json["particles_estimated"] = estimated;
   const auto phase = [](std::size_t count, double spacing) {
     return Json{{"particles", count}, {"spacing_m", spacing}};

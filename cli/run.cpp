@@ -387,6 +387,7 @@ RunResult run_case(const RunOptions& options) {
   const std::string address = "ipc://" + (socket.path() / "poretwin.sock").string();
   RunResult result;
   result.case_warnings = scene.warnings;
+  result.representation_chosen = scene.representation_chosen;
   if (options.warnings)
     for (const auto& warning : scene.warnings) view.say("warning: " + warning);
   std::vector<fs::path> logs;
@@ -504,6 +505,8 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
   text += "\nprocess            count  of what (steps, work done, work skipped)\n";
   for (const auto& s : result.summaries)
     text += listed_counts(s.process, s.steps) + listed_counts(s.process, s.counters);
+  if (!result.representation_chosen.empty())
+    text += fmt::format("\nfluid.representation = \"auto\": {}\n", result.representation_chosen);
   if (const auto warnings = listed_warnings(result.summaries, false, "\n"); !warnings.empty())
     text += fmt::format("\nwarnings\n{}\n", warnings);
   text += fmt::format("\nfiles in {}:", out.string());

@@ -52,6 +52,7 @@ struct RunResult {
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
   std::vector<std::string> case_warnings;  ///< warnings of the check of the case
+  std::string representation_chosen;       ///< why fluid.representation = "auto" became what it is; else empty
   /// Whether the run ended by itself, with or without warnings that put the result in doubt.
   [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };

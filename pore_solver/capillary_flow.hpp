@@ -36,6 +36,7 @@ class CapillaryFlow final : public FlowModel {
   [[nodiscard]] Inflow at_head(const Segment& segment, double pressure_head) const override;
   [[nodiscard]] double variable_at(Index a, double pressure_head) const override;
   [[nodiscard]] double full(Index a) const override { return variable_at(a, 0.0); }
+  [[nodiscard]] bool is_empty(Index) const override { return false; }
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:

@@ -79,6 +79,8 @@ class FlowModel {
   [[nodiscard]] virtual double variable_at(Index a, double pressure_head) const = 0;
   /// The variable of a point that is full at zero pressure.
   [[nodiscard]] virtual double full(Index a) const = 0;
+  /// Whether a point's variable lies at the lower end of its range: it has no water, and cannot have less.
+  [[nodiscard]] virtual bool is_empty(Index a) const = 0;
   /// The value of point a's variable after a Newton step from `from` to `to`: `to`, or the nearest value at which the
   /// step must halt (a corner of the curves, the end of their range). `stopped`: whether this point has already halted
   /// at a corner in this solve; set where it does now.

@@ -4,6 +4,8 @@
 #include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
+#include "pore_solver/network_3d.hpp"
+#include "pore_solver/wells.hpp"
 
 #include <fmt/format.h>
 #include <voro++/voro++.hh>
@@ -403,7 +405,11 @@ class Maker {
 
 }  // namespace
 
-Network make_network(const Case& scene) { return Maker(scene).make(); }
+Network make_network(const Case& scene) {
+  Network network = scene.general.dimension == 3 ? make_network_3d(scene) : Maker(scene).make();
+  add_wells(scene, network);
+  return network;
+}
 
 Network make_network(const Case& scene, const Network& drawn, const std::vector<Point3>& now) {
   try {

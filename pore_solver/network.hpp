@@ -15,20 +15,21 @@ namespace poretwin::pore {
 struct Link {
   Index a = 0, b = 0;
   double transmissibility = 0.0;  ///< area of the common face over the distance between the points, m (2D: 1)
-  Point3 centre;                  ///< m, centre of the common face
+  Point3 centre = Point3::Zero();  ///< m, centre of the common face
   double low = 0.0, high = 0.0;   ///< m, elevations of the face's lowest and highest corners
 };
 
-/// A part of a cell's side on the soil's border, along a water face, under rain, or both. A border with neither has no
-/// segment and is impermeable.
+/// A part of a cell's side on the soil's border, along a water face, under rain, or both; or the part of a well's
+/// screen in a cell. A border with neither has no segment and is impermeable.
 struct Segment {
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   Index point = 0;
-  std::size_t face = none, rain = none;  ///< indices in the case's lists
+  std::size_t face = none, rain = none, well = none;  ///< indices in the case's lists; a well has neither face nor rain
   double area = 0.0;                     ///< m2 (2D: m)
   double level_area = 0.0;               ///< m2 (2D: m), area of its horizontal projection
-  double transmissibility = 0.0;         ///< m (2D: 1), area over the distance from the point to the border
-  Point3 centre;                         ///< m
+  double transmissibility = 0.0;         ///< m (2D: 1), area over the distance from the point to the border; of a
+                                         ///< screen: add_wells()
+  Point3 centre = Point3::Zero();        ///< m
   double low = 0.0, high = 0.0;          ///< m, elevations of its lowest and highest point
 };
 
@@ -53,13 +54,13 @@ struct Network {
   }
 };
 
-/// The network of a 2D case. Points a spacing apart fill each soil (`fill`), cells are cut off at the soils' common
-/// border, and no link passes through a wall. Beside a corner where the soil goes around a notch, a cell loses what
-/// lies beyond the nearer side of the notch.
+/// The network of a case; in 3D make_network_3d(). In 2D points a spacing apart fill each soil (`fill`), cells are cut
+/// off at the soils' common border, and no link passes through a wall. Beside a corner where the soil goes around a
+/// notch, a cell loses what lies beyond the nearer side of the notch.
 Network make_network(const Case& scene);
-/// The network of the same points at the positions `now` [m] to which the soil has carried them. drawn: make_network()
-/// of the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError where it has
-/// folded over points.
+/// The network of the same points of a 2D case at the positions `now` [m] to which the soil has carried them. drawn:
+/// make_network() of the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError
+/// where it has folded over points.
 Network make_network(const Case& scene, const Network& drawn, const std::vector<Point3>& now);
 
 }  // namespace poretwin::pore

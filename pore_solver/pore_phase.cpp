@@ -205,7 +205,7 @@ OutputFrame PoreWater::frame() const {
                 {{"water_content", "1", "volume of water per volume of soil", 1},
                  tell_scalars([this](std::size_t a) { return state_.water[a] / network_.volume[a]; })},
                 {{"relative_flux", "m/s", "discharge through the skeleton, per area", 3}, tell_vectors<3>(flux_)},
-                {{"volume", "m2", "of the soil that the point stands for", 1},
+                {{"volume", scene_.general.dimension == 3 ? "m3" : "m2", "of the soil that the point stands for", 1},
                  tell_scalars([this](std::size_t a) { return network_.volume[a]; })}};
   return out;
 }

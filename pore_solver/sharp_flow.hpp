@@ -27,6 +27,9 @@ class SharpFlow final : public FlowModel {
   [[nodiscard]] Inflow at_head(const Segment& segment, double pressure_head) const override;
   [[nodiscard]] double variable_at(Index a, double pressure_head) const override;
   [[nodiscard]] double full(Index a) const override { return network_.filling(a).back().elevation; }
+  [[nodiscard]] bool is_empty(Index a) const override {
+    return !weightless_ && level_[a] <= network_.filling(a).front().elevation;
+  }
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:

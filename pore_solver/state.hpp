@@ -31,6 +31,7 @@ struct State {
   std::vector<Account> accounts;  ///< of each boundary
   ScalarArray inflow;             ///< m3/s (2D: m2/s), through each segment in the last step
   ScalarArray flow;               ///< m3/s (2D: m2/s), through each link from a to b in the last step
+  ScalarArray level;              ///< m, of the water in each well that pumps a prescribed discharge
   double wanted = 0.0;            ///< s, length that the error allows for the next step
   double largest_head = 0.0;      ///< m, largest head that the skeleton has borne anywhere (soil that moves)
   /// In soil that moves, at its rest at time zero: volume fraction of the grains, conductivity [m/s].

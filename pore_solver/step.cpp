@@ -3,6 +3,7 @@
 #include "common/geometry/shapes.hpp"
 #include "common/numerics/csr.hpp"
 #include "pore_solver/numerics/steps.hpp"
+#include "pore_solver/numerics/wells.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +18,11 @@ Stepper::Stepper(const Case& scene, const Network& network)
     boundaries_.push_back({f, Segment::none, make_boundary(scene, f, Segment::none)});
   for (std::size_t r = 0; r < scene.rains.size(); ++r)
     boundaries_.push_back({Segment::none, r, make_boundary(scene, Segment::none, r)});
+  for (std::size_t w = 0; w < scene.wells.size(); ++w)
+    boundaries_.push_back({Segment::none, Segment::none, make_well(scene.wells[w]), w});
   for (const auto& segment : network.segments) {
     auto found = std::find_if(boundaries_.begin(), boundaries_.end(), [&](const Along& along) {
-      return along.face == segment.face && along.rain == segment.rain;
+      return along.face == segment.face && along.rain == segment.rain && along.well == segment.well;
     });
     if (found == boundaries_.end()) {
       boundaries_.push_back({segment.face, segment.rain, make_boundary(scene, segment.face, segment.rain)});
@@ -33,10 +36,35 @@ Stepper::Stepper(const Case& scene, const Network& network)
     entries.emplace_back(link.a, link.b);
     entries.emplace_back(link.b, link.a);
   }
-  matrix_ = SparseRows(network.size(), std::move(entries));
+  for (std::size_t b = 0; b < boundaries_.size(); ++b) {
+    if (boundaries_[b].well == Segment::none || !scene.wells[boundaries_[b].well].discharge) continue;
+    Pump pump;
+    pump.boundary = b;
+    pump.bottom = HUGE_VAL;
+    pump.top = -HUGE_VAL;
+    const auto row = static_cast<Index>(network.size() + pumps_.size());
+    for (std::size_t i = 0; i < network.segments.size(); ++i) {
+      const Segment& segment = network.segments[i];
+      if (boundary_of_[i] != b) continue;
+      pump.segments.push_back(i);
+      pump.bottom = std::min(pump.bottom, segment.low);
+      pump.top = std::max(pump.top, segment.high);
+      entries.emplace_back(segment.point, row);
+      entries.emplace_back(row, segment.point);
+    }
+    pump.level = pump.top;
+    pumps_.push_back(std::move(pump));
+  }
+  matrix_ = SparseRows(network.size() + pumps_.size(), std::move(entries));
+  for (std::size_t w = 0; w < pumps_.size(); ++w)
+    for (const std::size_t i : pumps_[w].segments) {
+      const auto row = static_cast<Index>(network.size() + w);
+      const Index point = network.segments[i].point;
+      pumps_[w].places.emplace_back(matrix_.place(point, row), matrix_.place(row, point));
+    }
   for (const auto& link : network.links)
     places_.emplace_back(matrix_.place(link.a, link.b), matrix_.place(link.b, link.a));
-  residual_.resize(network.size());
+  residual_.resize(network.size() + pumps_.size());
   net_.resize(network.size());
   link_flow_.resize(network.links.size());
   inflow_.resize(network.segments.size());
@@ -50,8 +78,9 @@ State Stepper::first_state(const Case& scene) {
   for (std::size_t a = 0; a < network_.size(); ++a) {
     const auto point = static_cast<Index>(a);
     const double z = network_.elevation[a];
-    const bool wet = std::any_of(f.regions.begin(), f.regions.end(),
-                                 [&](const Shape& region) { return contains(region, network_.position[a], 2); });
+    const bool wet = std::any_of(f.regions.begin(), f.regions.end(), [&](const Shape& region) {
+      return contains(region, network_.position[a], scene.general.dimension);
+    });
     // Where the case gives none of these, soil without capillarity is dry: the head is that far above any water.
     const double head = f.initial_pressure_head ? f.initial_pressure_head->at(z)
                         : f.initial_water_table ? *f.initial_water_table - z
@@ -66,6 +95,7 @@ State Stepper::first_state(const Case& scene) {
   state.accounts.resize(boundaries_.size());
   state.inflow.assign(network_.segments.size(), 0.0);
   state.flow.assign(network_.links.size(), 0.0);
+  for (const auto& pump : pumps_) state.level.push_back(pump.top);
   state.wanted = first_interval(scene, state);
   return state;
 }
@@ -141,6 +171,7 @@ coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& st
 }
 
 void Stepper::balance(double interval, const State& state, bool with_matrix) {
+  find_levels();
   std::fill(net_.begin(), net_.end(), 0.0);
   std::fill(passed_.begin(), passed_.end(), 0.0);
   if (with_matrix) matrix_.clear();
@@ -172,6 +203,24 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
     net_[segment.point] += in.value;
     if (with_matrix) matrix_[matrix_.diagonal(segment.point)] -= interval * in.slope;
   }
+  // The levels satisfy the rows of the wells already. The rows only tell the points how the levels will follow.
+  for (std::size_t w = 0; w < pumps_.size(); ++w) {
+    const Pump& pump = pumps_[w];
+    const std::size_t row = network_.size() + w;
+    residual_[row] = 0.0;
+    if (!with_matrix) continue;
+    double all = 0.0;
+    for (std::size_t k = 0; k < pump.segments.size() && !pump.empty; ++k) {
+      const Segment& segment = network_.segments[pump.segments[k]];
+      const PoreBoundary& boundary = *boundaries_[pump.boundary].boundary;
+      const Inflow in = boundary.inflow(*flow_, segment, state.segments[pump.segments[k]]);
+      const double by_level = interval * by_level_of(segment, pump.level);
+      all += by_level;
+      matrix_[pump.places[k].first] -= by_level;
+      matrix_[pump.places[k].second] += interval * in.slope;
+    }
+    matrix_[matrix_.diagonal(row)] = all > 0.0 ? all : pores_;
+  }
   for (std::size_t a = 0; a < network_.size(); ++a) {
     const Content c = flow_->content(static_cast<Index>(a));
     residual_[a] = c.value + passed_[a] - base_[a] - interval * net_[a];
@@ -179,13 +228,71 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
   }
 }
 
+double Stepper::by_level_of(const Segment& segment, double level) const {
+  const double step = wells::level_step * spacing_;
+  return (flow_->below_level(segment, level + step).value - flow_->below_level(segment, level).value) / step;
+}
+
+double Stepper::through_screen(const Pump& pump, double level) const {
+  double sum = 0.0;
+  for (const std::size_t i : pump.segments) sum += flow_->below_level(network_.segments[i], level).value;
+  return sum;
+}
+
+void Stepper::find_levels() {
+  for (auto& pump : pumps_) {
+    PoreBoundary& boundary = *boundaries_[pump.boundary].boundary;
+    const double wanted = *boundary.prescribed_inflow();
+    const auto excess = [&](double level) { return through_screen(pump, level) - wanted; };
+    double low = pump.bottom, high = std::max(pump.level, pump.bottom + spacing_);
+    double at_low = excess(low);
+    pump.empty = at_low >= 0.0;
+    if (!pump.empty) {
+      // The flow rises with the level: above the screen in proportion, within it more slowly.
+      double at_high = excess(high);
+      for (double step = spacing_; at_high < 0.0; step *= 2.0) {
+        low = high;
+        at_low = at_high;
+        high += step;
+        at_high = excess(high);
+      }
+      // False position with halved weights (Dowell & Jarratt 1971).
+      const double close = wells::level_accuracy * spacing_;
+      for (int side = 0, i = 0; high - low > close && at_high > 0.0 && i < wells::most_searches; ++i) {
+        const double level = low + (high - low) * at_low / (at_low - at_high), value = excess(level);
+        if (value >= 0.0) {
+          if (side == 1) at_low *= 0.5;
+          side = 1;
+          high = level;
+          at_high = value;
+        } else {
+          if (side == -1) at_high *= 0.5;
+          side = -1;
+          low = level;
+          at_low = value;
+        }
+      }
+    }
+    pump.level = pump.empty ? pump.bottom : high;
+    boundary.set_level(pump.level);
+  }
+}
+
 bool Stepper::solve(double interval, State& state) {
   const std::size_t n = network_.size();
   stopped_.assign(n, 0);
-  ScalarArray change(n);
+  ScalarArray change(n + pumps_.size());
   for (int iteration = 0;; ++iteration) {
     flow_->set(variable_);
     balance(interval, state, true);
+    // A point without water cannot pay a debt of earlier residuals. It keeps the debt until enough water comes; until
+    // then it stays empty, whatever its neighbours do.
+    for (std::size_t a = 0; a < n; ++a) {
+      if (!(residual_[a] > 0.0) || !flow_->is_empty(static_cast<Index>(a))) continue;
+      residual_[a] = 0.0;
+      for (Index k = matrix_.begin(a); k < matrix_.end(a); ++k) matrix_[k] = 0.0;
+      matrix_[matrix_.diagonal(a)] = pores_;
+    }
     double left = 0.0, moved = 0.0;
     for (const double r : residual_) left += std::abs(r);
     for (const double w : net_) moved += interval * std::abs(w);
@@ -218,6 +325,7 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
+  for (std::size_t w = 0; w < pumps_.size(); ++w) pumps_[w].level = state.level[w];
   // Residuals of earlier steps, for example in full cells, cannot be removed in a short step; they are allowed for
   // (carried_).
   std::fill(evens_.begin(), evens_.end(), 0.0);
@@ -237,8 +345,10 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   for (std::size_t a = 0; a < n; ++a) base_[a] += before_[a];
   carried_ = give_ = 0.0;
   for (const double give : flow_->pores().give) give_ += give;
-  for (std::size_t a = 0; a < n && give_ == 0.0; ++a)
-    carried_ += std::abs(flow_->content(static_cast<Index>(a)).value - state.water[a]);
+  for (std::size_t a = 0; a < n && give_ == 0.0; ++a) {
+    const double excess = flow_->content(static_cast<Index>(a)).value - state.water[a];
+    if (!(excess > 0.0 && flow_->is_empty(static_cast<Index>(a)))) carried_ += std::abs(excess);
+  }
   begin({state.time, interval, state.time + g * interval});
   if (!solve(g * interval, state)) return {};
   mean_net_ = net_;
@@ -269,8 +379,9 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
 
 std::pair<double, double> Stepper::borne_error(std::span<const double> content_error) {
   const std::size_t n = network_.size();
-  ScalarArray change(n);
-  solve_linear(content_error, steps::error_residual, change);
+  ScalarArray change(n + pumps_.size()), right(content_error.begin(), content_error.end());
+  right.resize(n + pumps_.size(), 0.0);
+  solve_linear(right, steps::error_residual, change);
   double error = 0.0, volume = 0.0, largest = 0.0;
   for (std::size_t a = 0; a < n; ++a) {
     const Content head = flow_->borne_head(static_cast<Index>(a));
@@ -291,6 +402,8 @@ void Stepper::accept(double interval, State& state) {
   for (std::size_t a = 0; a < network_.size(); ++a) state.pores[a] = flow_->pore_volume(static_cast<Index>(a));
   state.flow = link_flow_;
   state.inflow = inflow_;
+  state.level.clear();
+  for (const auto& pump : pumps_) state.level.push_back(pump.level);
 }
 
 }  // namespace poretwin::pore

@@ -40,6 +40,7 @@ class Stepper {
   struct Along {
     std::size_t face = Segment::none, rain = Segment::none;  ///< the face and the rain that the boundary belongs to
     std::unique_ptr<PoreBoundary> boundary;
+    std::size_t well = Segment::none;  ///< the well that it belongs to
   };
   [[nodiscard]] const std::vector<Along>& boundaries() const { return boundaries_; }
   /// Volume of all pores [m3, 2D: m2].
@@ -84,6 +85,23 @@ class Stepper {
   double pores_ = 0.0;
   SparseRows matrix_;
   std::vector<std::pair<Index, Index>> places_;  ///< for each link, the places of (a, b) and (b, a) in the matrix
+  /// A well whose level follows from its discharge: an unknown of its own, behind those of the points.
+  struct Pump {
+    std::size_t boundary = 0;
+    std::vector<std::size_t> segments;
+    std::vector<std::pair<Index, Index>> places;  ///< for each segment, the places of (point, well) and (well, point)
+    double bottom = 0.0, top = 0.0;               ///< m, elevations of the screen's ends
+    double level = 0.0;                           ///< m
+    bool empty = false;  ///< the soil yields less than the discharge: the well is empty down to its bottom
+  };
+  /// Finds the levels of the wells that pump a prescribed discharge, at the present variables.
+  void find_levels();
+  /// Flow into the soil [m3/s, 2D: m2/s] through the screen of such a well at a level [m].
+  [[nodiscard]] double through_screen(const Pump& pump, double level) const;
+  /// Derivative of a screen's inflow with respect to the level [m2/s, 2D: m/s].
+  [[nodiscard]] double by_level_of(const Segment& segment, double level) const;
+
+  std::vector<Pump> pumps_;
   // of the present stage
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
   ScalarArray mean_net_, mean_inflow_;  ///< means over the step

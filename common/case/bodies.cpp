@@ -164,6 +164,10 @@ void make_solids(Case& scene, const Places& places) {
   for (std::size_t i = 0; i < scene.pore_pressures.size(); ++i)
     if (scene.pore_pressures[i].region)
       bodies.make(*scene.pore_pressures[i].region, fmt::format("pore_pressure[{}].region", i));
+  for (std::size_t i = 0; i < scene.water_faces.size(); ++i)
+    if (auto& within = scene.water_faces[i].face.within) bodies.make(*within, fmt::format("water_face[{}].within", i));
+  for (std::size_t i = 0; i < scene.rains.size(); ++i)
+    if (auto& within = scene.rains[i].face.within) bodies.make(*within, fmt::format("rain[{}].within", i));
   for (std::size_t i = 0; i < scene.gauges.size(); ++i)
     if (scene.gauges[i].region) bodies.make(*scene.gauges[i].region, fmt::format("gauge[{}].region", i));
 }

@@ -4,6 +4,7 @@
 #include "common/case/bodies.hpp"
 #include "common/case/check.hpp"
 #include "common/case/doubts.hpp"
+#include "common/case/field.hpp"
 #include "common/case/keys.hpp"
 #include "common/case/materials.hpp"
 #include "common/case/origin.hpp"
@@ -49,7 +50,8 @@ enum class Preset { own, paper };
 constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>{"paper", Preset::paper}};
 constexpr std::array representation_words{
     Word<FluidCase::Representation>{"particles", FluidCase::Representation::particles},
-    Word<FluidCase::Representation>{"field", FluidCase::Representation::field}};
+    Word<FluidCase::Representation>{"field", FluidCase::Representation::field},
+    Word<FluidCase::Representation>{"auto", FluidCase::Representation::automatic}};
 constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
@@ -234,6 +236,15 @@ void declare(Keys& keys, Face& f) {
   keys.points("points", f.points, {"m", "2D: a line of straight pieces, walked with the domain on the LEFT."});
   keys.point("point", f.point, {"m", "Instead of `points`: any point of a plane (3D) or line (2D)."});
   keys.point("normal", f.normal, {"", "With `point`: direction into the domain."});
+}
+
+/// The keys of a face of soil with water as a field, which may also be given by a shape.
+void declare_on_soil(Keys& keys, Face& f) {
+  declare(keys, f);
+  keys.optional_table("within",
+                      "3D, with fluid.representation = \"field\": only the part of the soil's surface in this shape; "
+                      "without `point` and `normal` all of that part, curved or not.",
+                      f.within, [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
 
 /// The names of all materials; with `rigid`, also the name of soil that does not move.
@@ -453,7 +464,7 @@ void declare(Keys& keys, Wall& w) {
 
 void declare(Keys& keys, WaterFace& f) {
   keys.text("name", f.name, {"", "Name, for messages."});
-  declare(keys, f.face);
+  declare_on_soil(keys, f.face);
   keys.series(
       "head", f.head,
       {"m",
@@ -488,7 +499,7 @@ void declare(Keys& keys, WaterFace& f) {
 
 void declare(Keys& keys, Rain& r) {
   keys.text("name", r.name, {"", "Name, for messages and gauges."});
-  declare(keys, r.face);
+  declare_on_soil(keys, r.face);
   keys.series(
       "rate", r.rate,
       {"m/s", "Volume of rain per time and horizontal area, also as a table in time; below zero: evaporation.", true});
@@ -498,6 +509,24 @@ void declare(Keys& keys, Rain& r) {
   keys.number("limit_suction", r.limit_suction,
               {"m", "Suction at the surface up to which evaporation equals `rate`; from there on the soil limits it."},
               positive());
+}
+
+void declare(Keys& keys, Well& w) {
+  keys.text("name", w.name, {"", "Name, for messages and gauges."});
+  keys.points("points", w.points,
+              {"m",
+               "Both ends of the screen, through which water comes and goes (3D); the centre of a drain across the "
+               "section (2D).",
+               true});
+  keys.number("radius", w.radius, {"m", "Radius of the screen, at most 0.15 particle spacings.", true}, positive());
+  keys.series("discharge", w.discharge,
+              {"m3/s",
+               "Volume per time that is pumped out of the soil (2D: m2/s), below zero: into it. Where the soil yields "
+               "less, the well stands empty down to the lower end of its screen and takes what comes."});
+  keys.series("head", w.head,
+              {"m",
+               "Instead of `discharge`: elevation (along -gravity) of the water in the well. Above it water only "
+               "seeps out of the soil."});
 }
 
 void declare(Keys& keys, Load& l) {
@@ -573,7 +602,10 @@ void declare(Keys& keys, FluidCase& f) {
       {"",
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
-       "or not, `particle_spacing` apart; of soil that moves its particles (2D, docs/theory/pore_water_field.md)."});
+       "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); "
+       "`auto`: "
+       "`field` where the case has a key for a field only, or has neither free water, inertia nor soil that can yield, "
+       "and nothing else that a field lacks; otherwise `particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,
               {"m", "Field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
   keys.number(
@@ -755,7 +787,8 @@ void declare(Keys& keys, Gauge& g) {
             {"",
              "With `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. With `momentum`: "
              "one component, `momentum_x`, `momentum_y` or `momentum_z`. With `level`, `passed_volume` and, of a "
-             "field, `discharge`: name of the face. With `infiltration`, `evaporation`, `runoff`: name of the rain."});
+             "field, `discharge`: name of the face or well. With `infiltration`, `evaporation`, `runoff`: name of the "
+             "rain."});
   keys.points("points", g.points,
               {"m",
                "Places of the readings; for a line or a direction its two ends; a face is walked with the domain on "
@@ -806,6 +839,8 @@ void declare_own(Keys& keys, Case& c) {
               c.pore_pressures, [](Keys& inner, PorePressure& p) { declare(inner, p); });
   keys.tables("rain", "Rain on the soil's surface, or evaporation from it. With fluid.representation = \"field\".",
               c.rains, [](Keys& inner, Rain& rain) { declare(inner, rain); });
+  keys.tables("well", "A well, or in 2D a drain across the section. With fluid.representation = \"field\".", c.wells,
+              [](Keys& inner, Well& well) { declare(inner, well); });
   keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
   keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });
@@ -959,11 +994,12 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     // The drag as a sum over pairs exists for soil at rest only.
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
-  if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
   for (Soil& soil : scene.soils) complete(soil, scene.solid.particle_spacing);
   make_solids(scene, places);
   move_to_origin(scene);
+  if (scene.fluid.representation == FluidCase::Representation::automatic) choose_representation(scene, places);
+  if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   check_case(scene, places);
   scene.warnings = doubts(scene, places);
   scene.warnings.insert(scene.warnings.begin(), old_words.begin(), old_words.end());

@@ -56,6 +56,8 @@ struct Shape {
 struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
+  /// Water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that part.
+  std::optional<Shape> within;
 };
 
 /// A number, or a table [[t, value], ...]: linear between its rows, constant before the first and after the last.
@@ -202,6 +204,15 @@ struct Rain {
   double limit_suction = 150.0;  ///< m, suction at the surface above which evaporation is below `rate`
 };
 
+/// [[well]]: water that is pumped out of the soil or into it along a screen, or a level that the well keeps.
+struct Well {
+  std::string name;
+  std::vector<Point3> points;       ///< m, both ends of the screen; 2D: the centre of a drain across the section
+  double radius = 0.0;              ///< m
+  std::optional<Series> discharge;  ///< m3/s (2D: m2/s), pumped out of the soil; below zero: into it
+  std::optional<Series> head;       ///< m, elevation (along -gravity) of the water in the well
+};
+
 /// [[load]]: traction on the soil's surface near a face.
 struct Load {
   std::string name;
@@ -248,8 +259,9 @@ struct FluidCase {
   /// How the pressure is found: solved to a tolerance (projection), or by explicit sweeps, Eqs. (82)-(85) (eisph); in
   /// eisph_explicit_drag the drag, too, is that of the window's start.
   enum class Scheme { projection, eisph, eisph_explicit_drag };
-  /// What represents the water: particles that move, or a field on the points of the soil.
-  enum class Representation { particles, field };
+  /// What represents the water: particles that move, or a field on the points of the soil. `automatic` stands in the
+  /// file only: reading the case decides.
+  enum class Representation { particles, field, automatic };
   double particle_spacing = 0.0;  ///< m
   Representation representation = Representation::particles;
   Scheme scheme = Scheme::projection;
@@ -358,6 +370,7 @@ struct Case {
   std::vector<Wall> walls;
   std::vector<WaterFace> water_faces;
   std::vector<Rain> rains;
+  std::vector<Well> wells;
   std::vector<Load> loads;
   std::vector<Plate> plates;
   std::vector<PorePressure> pore_pressures;
@@ -366,6 +379,7 @@ struct Case {
   CouplingCase coupling;
   OutputCase output;
   std::vector<Gauge> gauges;
+  std::string representation_chosen;  ///< why fluid.representation = "auto" became what it is; empty without "auto"
   std::vector<std::string> warnings;  ///< doubts about the case: "file:line: key '..': .."
   /// The soil moves, so that a solid process runs.
   [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }

@@ -382,6 +382,7 @@ class Checker : Complaints {
 
   void face(const Face& f, const std::string& key) const {
     const bool plane = given(key + ".point") || given(key + ".normal");
+    if (f.within && !plane && f.points.empty()) return;
     if (given(key + ".points") == plane)
       fail(key,
            "expected either 'points' (2D, walked with the domain on the left) or 'point' and 'normal' (into the "
@@ -522,7 +523,7 @@ class Checker : Complaints {
 
   /// Whether two faces are the same plane.
   static bool same_plane(const Face& f, const Face& g) {
-    if (!f.points.empty() || !g.points.empty()) return false;
+    if (!f.points.empty() || !g.points.empty() || f.within || g.within) return false;
     const Point3 n = f.normal.normalized(), m = g.normal.normalized();
     return n.cross(m).norm() < 1e-9 && std::abs(n.dot(g.point - f.point)) < 1e-9 * (1.0 + g.point.norm());
   }
@@ -932,7 +933,10 @@ class Checker : Complaints {
              fmt::format("a slip surface is looked for between two lines: expected the 2 ends of each, "
                          "found {} points",
                          gauge.points.size()));
-      if (gauge.kind == "level" || gauge.kind == "passed_volume" || of_face) {
+      const bool of_well =
+          !gauge.quantity.empty() && std::any_of(scene_.wells.begin(), scene_.wells.end(),
+                                                 [&](const Well& well) { return well.name == gauge.quantity; });
+      if ((gauge.kind == "level" || gauge.kind == "passed_volume" || of_face) && !of_well) {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
                                         [&](const WaterFace& face) { return face.name == gauge.quantity; });
@@ -940,6 +944,8 @@ class Checker : Complaints {
           std::vector<std::string_view> names;
           for (const auto& face : faces)
             if (!face.name.empty()) names.push_back(face.name);
+          for (const auto& well : scene_.wells)
+            if (!well.name.empty()) names.push_back(well.name);
           if (!names.empty()) known_word(key + ".quantity", gauge.quantity, names);
           fail(key + ".quantity",
                fmt::format("expected the name of a [[water_face]], found \"{}\": none has a name", gauge.quantity));

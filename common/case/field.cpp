@@ -4,12 +4,14 @@
 #include "common/case/complaints.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/geometry/soil_surface.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace poretwin {
 namespace {
@@ -25,6 +27,11 @@ constexpr std::array field_kinds{
 constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
                                 std::string_view("runoff")};
 
+/// Distance up to which a place of the soil's surface counts as lying on a plane (3D). In spacings.
+constexpr double beside_plane = 1e-3;
+/// Cosine between the vertical and the outward normal of a surface above which rain falls on it.
+constexpr double least_upwards = 1e-9;
+
 template <class Words>
 bool has(const Words& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -32,7 +39,8 @@ bool has(const Words& words, std::string_view word) {
 
 class FieldChecks : Complaints {
  public:
-  FieldChecks(const Case& scene, const Places& places) : Complaints(scene, places) {
+  FieldChecks(const Case& scene, const Places& places)
+      : Complaints(scene, places), dimension_(scene.general.dimension) {
     const double g = scene.general.gravity.norm();
     if (g > 0.0) up_ = -scene.general.gravity / g;
   }
@@ -42,6 +50,9 @@ class FieldChecks : Complaints {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
       if (scene_.soils[i].retention) fail(fmt::format("soil[{}].retention", i), reason);
     if (!scene_.rains.empty()) fail("rain[0]", reason);
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
+      if (scene_.water_faces[i].face.within) fail(fmt::format("water_face[{}].within", i), reason);
+    if (!scene_.wells.empty()) fail("well[0]", reason);
     for (const char* key : {"fluid.initial_pressure_head", "fluid.initial_water_table"})
       if (given(key)) fail(key, reason);
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
@@ -61,13 +72,36 @@ class FieldChecks : Complaints {
     initial();
     water_faces();
     rains();
+    if (dimension_ == 3) in_space();
+    wells();
     gauges();
+  }
+
+  /// Whether the case has a key that only a field has.
+  [[nodiscard]] bool asks_for_field() const {
+    try {
+      of_particles();
+    } catch (const CaseError&) {
+      return true;
+    }
+    return false;
+  }
+  /// What asks for water with inertia or soil that may slide; empty where nothing does.
+  [[nodiscard]] std::string asks_for_inertia() const {
+    if (!scene_.deformable()) return {};
+    if (scene_.can_yield()) return "the soil can yield, and a slide has inertia";
+    if (!scene_.solid.initial_velocity.isZero() || scene_.solid.initial_wave != 0.0)
+      return "the soil has a velocity at time zero";
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i)
+      if (scene_.loads[i].factor) return fmt::format("load[{}] changes in time, which may raise waves", i);
+    return {};
   }
 
  private:
   void scene() const {
-    if (scene_.general.dimension != 2)
-      fail("fluid.representation", "a field is for dimension = 2 so far, found dimension = 3; use \"particles\"");
+    if (dimension_ == 3 && scene_.deformable())
+      fail("fluid.representation",
+           "a field in 3D is for rigid soil so far; expected solid.model = \"rigid\", or \"particles\"");
     if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
     if (up_.isZero() && asks_for_heads())
       fail("case.gravity",
@@ -77,6 +111,47 @@ class FieldChecks : Complaints {
       fail("case.periodic", "a field has no periodic sides so far; expected a case without them");
     if (scene_.deformable()) moving_soil();
     if (up_.isZero()) full_soil();
+    walls();
+  }
+
+  /// Refuses walls that a field would not see: it is bounded by its soil, not by walls.
+  void walls() const {
+    const double dx = scene_.fluid.particle_spacing;
+    for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
+      const Wall& wall = scene_.walls[w];
+      if (wall.water == Wall::ForWater::none || !wall.face.points.empty()) continue;
+      const std::string key = fmt::format("wall[{}]", w);
+      if (wall.shape)
+        fail(key + ".shape",
+             "a field does not see walls with a shape; expected the soil drawn without the body of the wall (a "
+             "[[soil.without]] with its shape)");
+      const Point3 normal = wall.face.normal.normalized();
+      for (std::size_t s = 0; s < scene_.soils.size(); ++s)
+        for (const auto& x : places_in(scene_.soils[s].shape))
+          if (normal.dot(x - wall.face.point) < -1e-6 * dx)
+            fail(key, fmt::format("{} lies behind it, for example at {} m: a wall by 'point' and 'normal' is a plane "
+                                  "without end, at which a field does not stop; expected all soil on the side to "
+                                  "which the normal points",
+                                  named("soil", s, scene_.soils[s].name), shown(x)));
+    }
+  }
+
+  /// Points spread over a shape, a spacing apart or more.
+  [[nodiscard]] std::vector<Point3> places_in(const Shape& shape) const {
+    std::vector<Point3> result;
+    const double apart = spacing_to_look_at(shape, scene_.fluid.particle_spacing, dimension_);
+    const auto take = [&](const auto& lattice) {
+      for (const auto& x : lattice.position) {
+        Point3 point = Point3::Zero();
+        point.head(x.size()) = x;
+        result.push_back(point);
+      }
+    };
+    if (dimension_ == 3)
+      take(fill<3>(shape, apart, {0.5, 0.5, 0.5}, 0.0, 1));
+    else
+      take(fill<2>(shape, apart, {0.5, 0.5, 0.5}, 0.0, 1));
+    return result;
   }
 
   [[nodiscard]] bool asks_for_heads() const {
@@ -89,14 +164,12 @@ class FieldChecks : Complaints {
   /// Refuses dry soil where there is no gravity: the position of the water within a cell would be undefined.
   void full_soil() const {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
-      for (const auto& x :
-           fill<2>(scene_.soils[i].shape, scene_.fluid.particle_spacing, {0.5, 0.5, 0.5}, 0.0, 1).position)
-        if (std::none_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(), [&](const Shape& region) {
-              return contains(region, {x.x(), x.y(), 0.0}, 2);
-            }))
+      for (const auto& x : places_in(scene_.soils[i].shape))
+        if (std::none_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
+                         [&](const Shape& region) { return contains(region, x, dimension_); }))
           fail(fmt::format("soil[{}]", i),
                fmt::format("is dry, for example at {} m; without gravity expected a [[fluid.region]] over all of it",
-                           shown({x.x(), x.y(), 0.0})));
+                           shown(x)));
   }
 
   /// Checks for soil that moves: the points of the field are then the soil's particles.
@@ -110,6 +183,12 @@ class FieldChecks : Complaints {
     if (scene_.coupling.scheme == CouplingCase::Scheme::parallel)
       fail("coupling.scheme",
            "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
+    // The soil's solver looks for the water behind its surface along faces by points.
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
+      if (const WaterFace& f = scene_.water_faces[i];
+          f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0)))
+        fail(fmt::format("water_face[{}].point", i),
+             "a field in soil that moves needs the ends of a face with water behind it; expected 'points'");
     if (scene_.can_yield() && !scene_.rains.empty())
       fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)
@@ -138,7 +217,7 @@ class FieldChecks : Complaints {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const Soil& soil = scene_.soils[i];
       const std::string key = fmt::format("soil[{}]", i);
-      if (soil.shape.kind == Shape::Kind::ball)
+      if (dimension_ == 2 && soil.shape.kind == Shape::Kind::ball)
         fail(key + ".shape", "a field needs straight sides so far; expected a box or a polygon, found a ball");
       if (porous::seepage_at(scene_, soil, soil.porosity).quadratic != 0.0)
         fail(key + ".seepage_law",
@@ -204,21 +283,18 @@ class FieldChecks : Complaints {
     if (!sharp(scene_.soils.front()) && !f.initial_pressure_head && !f.initial_water_table)
       fail("fluid.initial_water_table",
            "soil with a retention curve is never without water: expected it or 'initial_pressure_head', found none");
-    for (std::size_t i = 0; i < f.regions.size(); ++i) {
-      const auto filled =
-          fill<2>(f.regions[i], spacing_to_look_at(f.regions[i], f.particle_spacing, 2), {0.5, 0.5, 0.5}, 0.0, 1);
-      for (const auto& x : filled.position)
-        if (!in_soil({x.x(), x.y(), 0.0}))
+    for (std::size_t i = 0; i < f.regions.size(); ++i)
+      for (const auto& x : places_in(f.regions[i]))
+        if (!in_soil(x))
           fail(fmt::format("fluid.region[{}]", i),
                fmt::format("is free water, for example at {} m; expected water in soil only, or fluid.representation = "
                            "\"particles\"",
-                           shown({x.x(), x.y(), 0.0})));
-    }
+                           shown(x)));
   }
 
   [[nodiscard]] bool in_soil(const Point3& x) const {
     return std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                       [&](const Soil& soil) { return contains(soil.shape, x, 2); });
+                       [&](const Soil& soil) { return contains(soil.shape, x, dimension_); });
   }
 
   /// Whether soil lies in front of a face.
@@ -237,6 +313,7 @@ class FieldChecks : Complaints {
       for (const char* other : {"discharge", "basin_area", "wave_amplitude"})
         if (given(key + "." + other))
           fail(key + "." + other, "a field has no such face so far; expected 'head', 'pressure' or 'outlet'");
+      if (dimension_ == 2 && f.face.within) fail(key + ".within", "belongs to dimension = 3, found dimension = 2");
       if (!f.face.points.empty() && !touches_soil(f.face))
         fail(key + ".points", "no soil lies before the face; expected one along a side of the soil, on its left");
       if (!f.head || f.face.points.empty()) continue;
@@ -263,6 +340,8 @@ class FieldChecks : Complaints {
         fail(key,
              "rain makes soil wet without filling it, for which it needs a retention curve; expected a "
              "[soil.retention] with another model than \"sharp\"");
+      if (dimension_ == 2 && rain.face.within) fail(key + ".within", "belongs to dimension = 3, found dimension = 2");
+      if (dimension_ == 3) continue;
       if (rain.face.points.empty())
         fail(key + ".point", "expected 'points', a line along the soil's surface; found a plane");
       if (!touches_soil(rain.face))
@@ -296,18 +375,173 @@ class FieldChecks : Complaints {
       if (distance_from(piece, x) < slack) return true;
     return false;
   }
-  void under_water(const Point3& x, const std::string& key) const {
-    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
-      const WaterFace& face = scene_.water_faces[f];
-      if (!lies_on(face.face, x)) continue;
-      if (face.pressure)
-        fail(key, fmt::format("falls on {} at {} m, where the pressure is prescribed; expected rain beside it",
-                              named("water_face", f, face.name), shown(x)));
-      if (face.head && highest(*face.head) > up_.dot(x + scene_.general.origin))
+  /// Checks of faces and rains in 3D, at places of the soil's surface a spacing apart.
+  void in_space() const {
+    const double dx = scene_.fluid.particle_spacing;
+    if (!(dx > 0.0) || (scene_.water_faces.empty() && scene_.rains.empty())) return;
+    const SoilSurface surface(scene_, dx);
+    const auto places = surface.places(dx);
+    const auto along = [&](const Face& face) {
+      std::vector<SoilSurface::Place> found;
+      for (const auto& place : places)
+        if (lies_along(face, place, beside_plane * dx)) found.push_back(place);
+      return found;
+    };
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const WaterFace& f = scene_.water_faces[i];
+      const std::string key = fmt::format("water_face[{}]", i);
+      const auto found = along(f.face);
+      if (found.empty()) fail(key, fmt::format("is nowhere on the soil's surface; {}", expected_of(f.face)));
+      for (const auto& place : found)
+        for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+          if (scene_.walls[w].water != Wall::ForWater::none && !scene_.walls[w].face.normal.isZero() &&
+              lies_along(scene_.walls[w].face, place, beside_plane * dx))
+            fail(key, fmt::format("lies on {} at {} m, which lets no water through; set water = \"none\" there or move "
+                                  "one of them",
+                                  named("wall", w, scene_.walls[w].name), shown(place.at)));
+      if (f.head) below_its_top(surface, f, key, found);
+    }
+    std::vector<std::vector<SoilSurface::Place>> rained;
+    for (std::size_t i = 0; i < scene_.rains.size(); ++i) {
+      const std::string key = fmt::format("rain[{}]", i);
+      auto found = along(scene_.rains[i].face);
+      std::erase_if(found, [&](const auto& place) { return !(up_.dot(place.outwards) > least_upwards); });
+      if (found.empty())
         fail(key,
-             fmt::format("falls on {} at {} m, which comes to lie under its water, up to {} m; expected rain above the "
-                         "highest level only",
-                         named("water_face", f, face.name), shown(x), highest(*face.head)));
+             fmt::format("falls nowhere on soil's surface that looks upwards; {}", expected_of(scene_.rains[i].face)));
+      for (const auto& place : found) rain_in_space(i, key, place);
+    }
+  }
+  static std::string expected_of(const Face& face) {
+    return face.normal.isZero() ? "expected a shape that contains a part of the surface"
+                                : "expected a plane on which the surface lies, with a normal into the soil";
+  }
+  void rain_in_space(std::size_t i, const std::string& key, const SoilSurface::Place& place) const {
+    const double slack = beside_plane * scene_.fluid.particle_spacing;
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
+      if (lies_along(scene_.water_faces[f].face, place, slack)) under_water(f, place.at, key);
+    for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+      if (scene_.walls[w].water != Wall::ForWater::none && !scene_.walls[w].face.normal.isZero() &&
+          lies_along(scene_.walls[w].face, place, slack))
+        fail(key,
+             fmt::format("falls on {} at {} m, which lets no water through; set water = \"none\" there or move one "
+                         "of them",
+                         named("wall", w, scene_.walls[w].name), shown(place.at)));
+    for (std::size_t j = 0; j < i; ++j)
+      if (lies_along(scene_.rains[j].face, place, slack))
+        fail(key,
+             fmt::format("falls where rain[{}] does, at {} m; expected one rain at each place", j, shown(place.at)));
+  }
+  /// Refuses a head above the upper end of a face: the water would run over there. It cannot under a wall, as on the
+  /// roof of a confined layer, nor where the face is level, the bed of a pond.
+  void below_its_top(const SoilSurface& surface, const WaterFace& f, const std::string& key,
+                     const std::vector<SoilSurface::Place>& places) const {
+    const double dx = scene_.fluid.particle_spacing;
+    double low = HUGE_VAL, sampled = -HUGE_VAL;
+    for (const auto& place : places) {
+      low = std::min(low, up_.dot(place.at));
+      sampled = std::max(sampled, up_.dot(place.at));
+    }
+    Point3 top = Point3::Zero();
+    double high = -HUGE_VAL;
+    for (const auto& place : places) {
+      if (up_.dot(place.at) < sampled - dx) continue;
+      const Point3 end = upper_end(surface, f.face, place, up_, 2.0 * dx, beside_plane * dx);
+      if (up_.dot(end) <= high) continue;
+      high = up_.dot(end);
+      top = end;
+    }
+    if (high - low < beside_plane * dx || highest(*f.head) <= high + 2.0 * beside_plane * dx) return;
+    constexpr double beside_wall = 0.1;  // spacings; a face given by a shape may end a little below the wall
+    const bool lid = std::any_of(scene_.walls.begin(), scene_.walls.end(), [&](const Wall& wall) {
+      return wall.water != Wall::ForWater::none && !wall.face.normal.isZero() &&
+             std::abs(wall.face.normal.normalized().dot(top - wall.face.point)) < beside_wall * dx;
+    });
+    if (!lid)
+      fail(key + ".head",
+           fmt::format("the water behind the face rises to {} m and would run over its upper end at {} m; expected a "
+                       "lower head, or a [[wall]] on the soil's top, such as the roof of a confined layer",
+                       highest(*f.head), high));
+  }
+
+  void under_water(std::size_t f, const Point3& x, const std::string& key) const {
+    const WaterFace& face = scene_.water_faces[f];
+    if (face.pressure)
+      fail(key, fmt::format("falls on {} at {} m, where the pressure is prescribed; expected rain beside it",
+                            named("water_face", f, face.name), shown(x)));
+    if (face.head && highest(*face.head) > up_.dot(x + scene_.general.origin))
+      fail(key,
+           fmt::format("falls on {} at {} m, which comes to lie under its water, up to {} m; expected rain above the "
+                       "highest level only",
+                       named("water_face", f, face.name), shown(x), highest(*face.head)));
+  }
+  void under_water(const Point3& x, const std::string& key) const {
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
+      if (lies_on(scene_.water_faces[f].face, x)) under_water(f, x, key);
+  }
+
+  void wells() const {
+    for (std::size_t i = 0; i < scene_.wells.size(); ++i) {
+      const Well& well = scene_.wells[i];
+      const std::string key = fmt::format("well[{}]", i);
+      const double dx = scene_.fluid.particle_spacing;
+      const std::size_t ends = dimension_ == 3 ? 2 : 1;
+      if (well.points.size() != ends)
+        fail(key + ".points", fmt::format("expected {}, found {} points",
+                                          ends == 2 ? "the 2 ends of the screen"
+                                                    : "1 point, the centre of a drain across "
+                                                      "the section (2D)",
+                                          well.points.size()));
+      if (well.discharge.has_value() == well.head.has_value())
+        fail(key, fmt::format("expected either 'discharge' or 'head', found {}", well.head ? "both" : "neither"));
+      if (up_.isZero()) fail(key, "a well needs gravity, by which its level acts; found case.gravity of length zero");
+      if (scene_.can_yield())
+        fail(key, "in soil that can yield a well would have to move with it; expected soil that is rigid or elastic");
+      constexpr double widest = 0.15, nearest = 3.0, shortest = 3.0;  // spacings
+      if (well.radius > widest * dx)
+        fail(key + ".radius",
+             fmt::format(
+                 "expected {:g} m at most, {:g} particle spacings, found {} m: a wider well is drawn as a hole in "
+                 "the soil with a [[water_face]] along it, or needs a larger fluid.particle_spacing",
+                 widest * dx, widest, well.radius));
+      for (std::size_t j = 0; j < scene_.water_faces.size() && !well.name.empty(); ++j)
+        if (scene_.water_faces[j].name == well.name)
+          fail(key + ".name",
+               fmt::format("expected a name of its own, found \"{}\", which water_face[{}] has", well.name, j));
+      for (std::size_t j = 0; j < i && !well.name.empty(); ++j)
+        if (scene_.wells[j].name == well.name)
+          fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", well.name));
+      const Point3 a = well.points.front(), b = well.points.back();
+      const double length = (b - a).norm();
+      if (dimension_ == 3 && length < shortest * dx * (1.0 - 1e-9))
+        fail(
+            key + ".points",
+            fmt::format("the screen is {:.4g} m long; expected {:g} particle spacings or more, {:.4g} m: near the ends "
+                        "of a shorter one water does not flow across its axis, as the well's resistance presumes",
+                        length, shortest, shortest * dx));
+      Point3 u = Point3::UnitX(), v = Point3::UnitY();
+      if (dimension_ == 3) {
+        u = (b - a).unitOrthogonal();
+        v = (b - a).cross(u) / length;
+      }
+      const int parts = dimension_ == 3 ? std::max(1, static_cast<int>(std::ceil(length / dx))) : 1;
+      constexpr int directions = 12;
+      for (int k = 0; k < parts; ++k) {
+        const Point3 x = a + (k + 0.5) / parts * (b - a);
+        if (!in_soil(x))
+          fail(key + ".points",
+               fmt::format("the screen lies outside the soil at {} m; expected all of it in soil", shown(x)));
+        for (int d = 0; d < directions; ++d) {
+          const double angle = 2.0 * std::numbers::pi * d / directions;
+          const Point3 aside = x + nearest * dx * (std::cos(angle) * u + std::sin(angle) * v);
+          if (!in_soil(aside))
+            fail(key + ".points",
+                 fmt::format(
+                     "the soil ends at {} m, nearer than {:g} particle spacings, {:.4g} m, from the screen at {} m; "
+                     "expected a well farther inside, or a smaller fluid.particle_spacing",
+                     shown(aside), nearest, nearest * dx, shown(x)));
+        }
+      }
     }
   }
 
@@ -335,6 +569,7 @@ class FieldChecks : Complaints {
   }
 
   Point3 up_ = Point3::Zero();
+  int dimension_;
 };
 
 }  // namespace
@@ -345,6 +580,31 @@ void check_field(const Case& scene, const Places& places) {
     checks.of_field();
   else
     checks.of_particles();
+}
+
+void choose_representation(Case& scene, const Places& places) {
+  using Representation = FluidCase::Representation;
+  auto& chosen = scene.fluid.representation;
+  chosen = Representation::field;
+  const FieldChecks checks(scene, places);
+  if (scene.soils.empty()) {
+    scene.representation_chosen = "particles: there is no soil";
+    chosen = Representation::particles;
+  } else if (checks.asks_for_field()) {
+    scene.representation_chosen = "field: the case has keys that only a field has";
+  } else if (const std::string inertia = checks.asks_for_inertia(); !inertia.empty()) {
+    scene.representation_chosen = "particles: " + inertia;
+    chosen = Representation::particles;
+  } else {
+    try {
+      checks.of_field();
+      scene.representation_chosen = "field: all water stays in soil, and nothing asks for inertia";
+    } catch (const CaseError& error) {
+      scene.representation_chosen =
+          fmt::format("particles: a field does not have what the case asks for: {}", error.what());
+      chosen = Representation::particles;
+    }
+  }
 }
 
 }  // namespace poretwin

@@ -9,4 +9,7 @@ namespace poretwin {
 /// Throws CaseError at the first fault, with file, line, key, what was expected and what was found.
 void check_field(const Case& scene, const Places& places);
 
+/// Sets fluid.representation = "auto" to "field" or "particles", and Case::representation_chosen to the reason.
+void choose_representation(Case& scene, const Places& places);
+
 }  // namespace poretwin

@@ -34,6 +34,7 @@ void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   const auto face = [&](Face& g) {
     for (auto& x : g.points) f(x);
     if (of_planes && g.points.empty()) f(g.point);
+    if (of_planes && g.within) shape(*g.within);
   };
   for (auto& soil : scene.soils) shape(soil.shape);
   for (auto& region : scene.fluid.regions) shape(region);
@@ -44,6 +45,8 @@ void for_each_place(Case& scene, F&& f, bool of_planes = true) {
       face(wall.face);
   for (auto& water_face : scene.water_faces) face(water_face.face);
   for (auto& rain : scene.rains) face(rain.face);
+  for (auto& well : scene.wells)
+    for (auto& x : well.points) f(x);
   for (auto& load : scene.loads) face(load.face);
   for (auto& plate : scene.plates) face(plate.face);
   for (auto& p : scene.pore_pressures) {

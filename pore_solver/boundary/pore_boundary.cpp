@@ -3,6 +3,7 @@
 #include "common/media/seepage.hpp"
 #include "pore_solver/boundary/surface.hpp"
 #include "pore_solver/boundary/water_behind.hpp"
+#include "pore_solver/boundary/well_screen.hpp"
 
 #include <cmath>
 
@@ -20,6 +21,11 @@ std::unique_ptr<PoreBoundary> make_boundary(const Case& scene, std::size_t face,
   if (f.outlet) return std::make_unique<Outlet>();
   if (f.pressure) return std::make_unique<PrescribedPressure>(*f.pressure, porous::specific_weight(scene));
   return std::make_unique<Reservoir>(*f.head);
+}
+
+std::unique_ptr<PoreBoundary> make_well(const Well& well) {
+  if (well.head) return std::make_unique<Reservoir>(*well.head);
+  return std::make_unique<WellScreen>(*well.discharge);
 }
 
 }  // namespace poretwin::pore

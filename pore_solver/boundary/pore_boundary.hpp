@@ -47,6 +47,9 @@ class PoreBoundary {
   virtual void accept(const Segment& segment, double flow, SegmentState& state, Account& account) const = 0;
   /// Elevation [m] of the water behind the boundary at the end of the step; empty for boundaries that have none.
   [[nodiscard]] virtual std::optional<double> level() const { return std::nullopt; }
+  /// The inflow [m3/s, 2D: m2/s] into the soil that a well prescribes; its level then follows from it (set_level).
+  [[nodiscard]] virtual std::optional<double> prescribed_inflow() const { return std::nullopt; }
+  virtual void set_level(double /*elevation [m]*/) {}
   /// The next time [s] after `time` [s] at which a prescribed value changes its slope; infinite if there is none.
   [[nodiscard]] virtual double next_corner(double time) const = 0;
 };
@@ -56,5 +59,7 @@ double next_knot(const Series& series, double time);
 
 /// The boundary for a segment along a water face and under rain: indices in the case's lists, or Segment::none.
 std::unique_ptr<PoreBoundary> make_boundary(const Case& scene, std::size_t face, std::size_t rain);
+/// The boundary along a well's screen.
+std::unique_ptr<PoreBoundary> make_well(const Well& well);
 
 }  // namespace poretwin::pore

@@ -4,6 +4,7 @@
 #include "pore_solver/boundary/pore_boundary.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace poretwin::pore {
 

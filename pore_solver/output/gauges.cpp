@@ -71,20 +71,27 @@ class Gauges::Reader {
   void read(const Gauge& gauge, const Places& places) {
     if (gauge.kind == "point") return points(gauge, places);
     if (gauge.kind == "front") return add(gauge.name, front(gauge, places.line), "m");
-    if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
+    if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), volume_unit() + "/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(gauge, places), "m");
     if (gauge.kind == "exit_gradient") return exit_gradient(gauge, places);
     if (gauge.kind == "pressure_force") return pressure_force(gauge.name, places.line);
     if (gauge.kind == "heave") return add(gauge.name, heave(places), "1");
-    if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
+    if (gauge.kind == "volume") return add(gauge.name, volume(gauge), volume_unit());
     if (gauge.kind == "balance") return balance(gauge);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
     if (gauge.kind == "particles") return add(gauge.name, static_cast<double>(network_.size()), "1");
     const auto through_faces = [](const Account& a) { return a.in - a.out; };
-    if (gauge.kind == "passed_volume")
-      return add(gauge.name, sum(gauge, scene_.water_faces, &Stepper::Along::face, through_faces), "m2");
+    if (gauge.kind == "passed_volume") {
+      const bool of_well =
+          !gauge.quantity.empty() && std::any_of(scene_.wells.begin(), scene_.wells.end(),
+                                                 [&](const Well& well) { return well.name == gauge.quantity; });
+      return add(gauge.name,
+                 of_well ? sum(gauge, scene_.wells, &Stepper::Along::well, through_faces)
+                         : sum(gauge, scene_.water_faces, &Stepper::Along::face, through_faces),
+                 volume_unit());
+    }
     const auto of_rain = [&](auto part) {
-      add(gauge.name, sum(gauge, scene_.rains, &Stepper::Along::rain, part), "m2");
+      add(gauge.name, sum(gauge, scene_.rains, &Stepper::Along::rain, part), volume_unit());
     };
     if (gauge.kind == "infiltration") of_rain([](const Account& a) { return a.infiltration; });
     if (gauge.kind == "evaporation") of_rain([](const Account& a) { return a.evaporation; });
@@ -93,6 +100,7 @@ class Gauges::Reader {
   [[nodiscard]] std::vector<GaugeReading> take() { return std::move(readings_); }
 
  private:
+  [[nodiscard]] std::string volume_unit() const { return scene_.general.dimension == 3 ? "m3" : "m2"; }
   void add(std::string name, double value, std::string unit) {
     readings_.push_back({std::move(name), value, std::move(unit)});
   }
@@ -161,8 +169,9 @@ class Gauges::Reader {
     double sum = 0.0;
     for (const auto& crossing : places.crossings) sum += crossing.sign * state_.flow[crossing.link];
     for (std::size_t i = 0; gauge.points.empty() && i < network_.segments.size(); ++i) {
-      const std::size_t face = network_.segments[i].face;
+      const std::size_t face = network_.segments[i].face, well = network_.segments[i].well;
       if (face != Segment::none && scene_.water_faces[face].name == gauge.quantity) sum += state_.inflow[i];
+      if (well != Segment::none && scene_.wells[well].name == gauge.quantity) sum -= state_.inflow[i];
     }
     return sum;
   }
@@ -264,7 +273,8 @@ class Gauges::Reader {
   [[nodiscard]] double volume(const Gauge& gauge) const {
     double sum = 0.0;
     for (std::size_t a = 0; a < network_.size(); ++a)
-      if (!gauge.region || contains(*gauge.region, network_.position[a], 2)) sum += state_.water[a];
+      if (!gauge.region || contains(*gauge.region, network_.position[a], scene_.general.dimension))
+        sum += state_.water[a];
     return sum;
   }
 
@@ -277,15 +287,20 @@ class Gauges::Reader {
       gained += account.gained();
     }
     const double stored = volume({});
-    add(gauge.name + "_in", all.in, "m2");
-    add(gauge.name + "_out", all.out, "m2");
-    add(gauge.name + "_stored", stored, "m2");
-    add(gauge.name + "_error", gained - (stored - state_.initial_water), "m2");
+    add(gauge.name + "_in", all.in, volume_unit());
+    add(gauge.name + "_out", all.out, volume_unit());
+    add(gauge.name + "_stored", stored, volume_unit());
+    add(gauge.name + "_error", gained - (stored - state_.initial_water), volume_unit());
   }
 
   [[nodiscard]] double level(const Gauge& gauge) const {
     for (const auto& face : scene_.water_faces)
       if (face.name == gauge.quantity && face.head) return face.head->at(state_.time);
+    std::size_t pump = 0;
+    for (const auto& well : scene_.wells) {
+      if (well.name == gauge.quantity) return well.head ? well.head->at(state_.time) : state_.level[pump];
+      if (well.discharge) ++pump;
+    }
     return nan;
   }
 

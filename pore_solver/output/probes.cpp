@@ -3,6 +3,8 @@
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 
+#include <Eigen/QR>
+
 #include <algorithm>
 #include <cmath>
 
@@ -52,11 +54,12 @@ std::optional<Probe> Probes::at(const Point3& x) const {
   const Point3 inside = x + 1e-6 * (network_.position[nearest(x, std::nullopt)] - x);
   std::optional<std::size_t> soil;
   for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
-    if (contains(scene_.soils[s].shape, inside, 2)) soil = s;
+    if (contains(scene_.soils[s].shape, inside, scene_.general.dimension)) soil = s;
   if (!soil) return std::nullopt;
   const Index a = nearest(x, soil);
+  if (scene_.general.dimension == 3) return in_space(x, a);
   const auto& around = neighbours_[a];
-  Probe best{{a, a, a}, {1.0, 0.0, 0.0}};
+  Probe best{{a, a, a, a}, {1.0, 0.0, 0.0, 0.0}};
   // The triangle that contains x, or else the one whose least weight at x is largest.
   double most = -HUGE_VAL;
   for (std::size_t i = 0; i < around.size(); ++i) {
@@ -66,7 +69,7 @@ std::optional<Probe> Probes::at(const Point3& x) const {
     const double least = *std::min_element(w->begin(), w->end());
     if (least <= most) continue;
     most = least;
-    best = {{a, b, c}, *w};
+    best = {{a, b, c, a}, {(*w)[0], (*w)[1], (*w)[2], 0.0}};
   }
   if (most > -HUGE_VAL || around.empty()) return best;
   // With a single row of points the value is interpolated along the row.
@@ -75,8 +78,44 @@ std::optional<Probe> Probes::at(const Point3& x) const {
     const double along = way.dot(x - network_.position[a]) / way.squaredNorm();
     if (along < most && most > 0.0) continue;
     most = along;
-    best = {{a, b, a}, {1.0 - along, along, 0.0}};
+    best = {{a, b, a, a}, {1.0 - along, along, 0.0, 0.0}};
   }
+  return best;
+}
+
+Probe Probes::in_space(const Point3& x, Index a) const {
+  const Point3 at = network_.position[a];
+  const auto& around = neighbours_[a];
+  Probe best{{a, a, a, a}, {1.0, 0.0, 0.0, 0.0}};
+  double most = -HUGE_VAL;
+  // Weights of the k given neighbours by the least squares of x - at in the space that they span. Neighbours that span
+  // less do not count.
+  const auto try_with = [&](std::size_t k, const std::array<Index, 3>& corner) {
+    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> ways(3, static_cast<Eigen::Index>(k));
+    for (std::size_t i = 0; i < k; ++i)
+      ways.col(static_cast<Eigen::Index>(i)) = (network_.position[corner[i]] - at) / scene_.fluid.particle_spacing;
+    const auto qr = ways.colPivHouseholderQr();
+    constexpr double flat = 1e-6;
+    if (std::abs(qr.matrixR()(static_cast<Eigen::Index>(k) - 1, static_cast<Eigen::Index>(k) - 1)) < flat) return;
+    const Eigen::VectorXd w = qr.solve((x - at) / scene_.fluid.particle_spacing);
+    const double least = std::min(w.minCoeff(), 1.0 - w.sum());
+    if (least <= most) return;
+    most = least;
+    best.weight = {1.0 - w.sum(), 0.0, 0.0, 0.0};
+    for (std::size_t i = 0; i < k; ++i) {
+      best.point[i + 1] = corner[i];
+      best.weight[i + 1] = w[static_cast<Eigen::Index>(i)];
+    }
+  };
+  const std::size_t n = around.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      for (std::size_t k = j + 1; k < n; ++k) try_with(3, {around[i], around[j], around[k]});
+  if (most == -HUGE_VAL)
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j) try_with(2, {around[i], around[j], a});
+  if (most == -HUGE_VAL)
+    for (const Index b : around) try_with(1, {b, a, a});
   return best;
 }
 

@@ -130,7 +130,134 @@ TEST_F(Field, TheStartMustBeKnown) {
 TEST_F(Field, KeysOfAFieldAreNotForParticles) {
   EXPECT_THAT(complaint(dam, {"fluid.representation=\"particles\""}),
               AllOf(HasSubstr("soil[0].retention"), HasSubstr("fluid.representation = \"field\"")));
-  EXPECT_THAT(complaint(dam, {"fluid.representation=\"auto\""}), HasSubstr("fluid.representation"));
+  EXPECT_THAT(complaint(dam, {"fluid.representation=\"fields\""}), HasSubstr("fluid.representation"));
+}
+
+/// A dam in 3D with a reservoir, a drain under a part of its base, a well, and rain on a part of its crest.
+const std::string dam_in_space = R"([case]
+dimension = 3
+end_time = 1000
+[[soil]]
+shape = "polygon"
+points = [[0, 0], [12, 0], [8, 4], [4, 4]]
+along = ["y"]
+from = 0
+to = 4
+porosity = 0.4
+retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 }
+[[water_face]]
+name = "reservoir"
+point = [0, 0, 0]
+normal = [1, 0, -1]
+head = 3
+[[water_face]]
+name = "drain"
+outlet = true
+within = { shape = "box", min = [8, 1, -0.1], max = [12, 3, 0.01] }
+[[rain]]
+name = "rain"
+point = [0, 0, 4]
+normal = [0, 0, -1]
+within = { shape = "box", min = [4, 0, 3], max = [6, 4, 5] }
+rate = 1e-6
+[[well]]
+name = "well"
+points = [[6, 2, 0.5], [6, 2, 2.5]]
+radius = 0.02
+discharge = 1e-4
+[fluid]
+representation = "field"
+particle_spacing = 0.4
+initial_water_table = 0
+[solid]
+model = "rigid"
+[[gauge]]
+name = "level"
+phase = "fluid"
+kind = "level"
+quantity = "well"
+)";
+
+TEST_F(Field, In3DIsReadAndNothingIsSaidOfIt) {
+  EXPECT_EQ(complaint(dam_in_space), "no complaint");
+  EXPECT_EQ(warnings(dam_in_space), "");
+  const Case scene = read(dam_in_space);
+  ASSERT_TRUE(scene.rains[0].face.within);
+  ASSERT_EQ(scene.wells.size(), 1u);
+  EXPECT_EQ(scene.wells[0].discharge->at(0.0), 1e-4);
+}
+
+TEST_F(Field, FacesIn3DMustLieOnSoil) {
+  EXPECT_THAT(complaint(dam_in_space, {"water_face.0.normal=[1, 0, 1]"}),
+              AllOf(HasSubstr("case.toml:12"), HasSubstr("water_face[0]"), HasSubstr("nowhere on the soil's surface")));
+  EXPECT_THAT(complaint(dam_in_space, {"water_face.1.within.max=[12, 3, -0.01]"}),
+              AllOf(HasSubstr("water_face[1]"), HasSubstr("expected a shape that contains")));
+  EXPECT_THAT(complaint(dam_in_space, {"water_face.0.head=4.1"}),
+              AllOf(HasSubstr("water_face[0].head"), HasSubstr("run over its upper end at 4")));
+  EXPECT_EQ(complaint(dam_in_space, {"water_face.0.head=4", "rain.0.within.min=[5, 0, 3]"}), "no complaint");
+  EXPECT_THAT(complaint(dam_in_space + "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"),
+              AllOf(HasSubstr("water_face[1]"), HasSubstr("lies on wall[0]")));
+  EXPECT_THAT(complaint(dam_in_space + "[[wall]]\npoint = [0, 2, 0]\nnormal = [0, 1, 0]\n"),
+              AllOf(HasSubstr("wall[0]"), HasSubstr("lies behind it")));
+  EXPECT_THAT(complaint(dam_in_space, {"rain.0.normal=[0, 0, 1]"}), HasSubstr("rain[0]"));
+  EXPECT_THAT(complaint(dam_in_space + "[[rain]]\nrate = 1e-7\nwithin = { shape = \"ball\", centre = [6, 2, 4], "
+                                       "radius = 1 }\n"),
+              AllOf(HasSubstr("rain[1]"), HasSubstr("falls where rain[0] does")));
+  EXPECT_THAT(complaint(dam_in_space + "[[rain]]\nrate = 1e-7\nwithin = { shape = \"ball\", centre = [2, 2, 2], "
+                                       "radius = 1 }\n"),
+              AllOf(HasSubstr("rain[1]"), HasSubstr("reservoir"), HasSubstr("under its water")));
+  EXPECT_THAT(complaint(changed(dam, "outlet = true", "outlet = true\nwithin = { min = [0, 0], max = [1, 1] }")),
+              AllOf(HasSubstr("water_face[1].within"), HasSubstr("dimension = 3")));
+}
+
+TEST_F(Field, WellsMustStandInSoil) {
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.points=[[6, 2, 0.5], [6, 2, 4.5]]"}),
+              AllOf(HasSubstr("well[0].points"), HasSubstr("outside the soil at [6, 2, 4.")));
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.points=[[6, 1, 0.5], [6, 1, 2.5]]"}),
+              AllOf(HasSubstr("well[0].points"), HasSubstr("the soil ends at")));
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.points=[[6, 2, 0.5], [6, 2, 1.5]]"}),
+              AllOf(HasSubstr("well[0].points"), HasSubstr("3 particle spacings")));
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.points=[[6, 2, 0.5]]"}), HasSubstr("2 ends of the screen"));
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.radius=0.1"}),
+              AllOf(HasSubstr("well[0].radius"), HasSubstr("0.06 m at most")));
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.head=1"}), AllOf(HasSubstr("well[0]"), HasSubstr("found both")));
+  EXPECT_THAT(complaint(dam_in_space, {"well.0.name=\"drain\""}),
+              AllOf(HasSubstr("well[0].name"), HasSubstr("water_face[1]")));
+  EXPECT_THAT(complaint(dam_in_space, {"gauge.0.quantity=\"wall\""}),
+              AllOf(HasSubstr("gauge[0].quantity"), HasSubstr("\"well\"")));
+  EXPECT_THAT(complaint(changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"")),
+              AllOf(HasSubstr("fluid.representation"), HasSubstr("3D")));
+  EXPECT_EQ(complaint(dam + "[[well]]\npoints = [[0.6, 0.2]]\nradius = 0.002\nhead = 0.25\n"), "no complaint");
+}
+
+/// The representation that "auto" stands for, and the reason for it.
+TEST_F(Field, AutoIsAFieldWhereAFieldIsRight) {
+  const auto chosen = [this](const std::string& text, const std::vector<std::string>& set = {}) {
+    auto all = set;
+    all.emplace_back("fluid.representation=\"auto\"");
+    return read(text, all).representation_chosen;
+  };
+  EXPECT_THAT(chosen(dam), HasSubstr("field: the case has keys that only a field has"));
+  EXPECT_THAT(chosen(dam_in_space), HasSubstr("field: "));
+  // Without the keys of a field.
+  const std::string plain = changed(
+      changed(changed(dam,
+                      R"(retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 })",
+                      ""),
+              "[[rain]]\nname = \"rain\"\npoints = [[0.8, 0.4], [0.4, 0.4]]\nrate = [[0, 1e-6], [100, 0]]\n", ""),
+      "initial_water_table = 0\n", "");
+  const std::string by_line = changed(plain, "quantity = \"reservoir\"", "points = [[0.6, 0.4], [0.6, 0]]");
+  EXPECT_THAT(chosen(by_line), HasSubstr("field: all water stays in soil"));
+  EXPECT_THAT(chosen("[case]\nend_time = 1\n[[soil]]\nmin = [0, 0]\nmax = [1, 0.5]\nporosity = 0.4\n"
+                     "[[wall]]\npoints = [[0, 1], [0, 0], [1, 0], [1, 1]]\n"
+                     "[[fluid.region]]\nmin = [0, 0]\nmax = [1, 0.8]\n"
+                     "[fluid]\nparticle_spacing = 0.05\n[solid]\nmodel = \"rigid\"\n"),
+              AllOf(HasSubstr("particles: "), HasSubstr("free water")));
+  EXPECT_THAT(chosen(by_line, {"water_face.0.head=0.45"}), AllOf(HasSubstr("particles: "), HasSubstr("run over")));
+  const std::string yields = changed(by_line, "model = \"rigid\"", "model = \"drucker_prager\"");
+  EXPECT_THAT(chosen(yields + "[[wall]]\npoints = [[0, 0], [1.2, 0]]\n"),
+              AllOf(HasSubstr("particles: "), HasSubstr("yield")));
+  EXPECT_EQ(read(by_line).representation_chosen, "");
 }
 
 }  // namespace
