@@ -286,7 +286,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
-  double largest = parallel_max(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
+  // Of the points here: how far their images and pairs reach.
+  double largest = one_rank::max_over(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_real + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);

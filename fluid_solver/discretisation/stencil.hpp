@@ -6,6 +6,7 @@
 #include "common/core/or_zero.hpp"
 #include "common/core/unset.hpp"
 #include "common/core/vector.hpp"
+#include "common/particles/domain.hpp"
 #include "common/particles/images.hpp"
 #include "common/particles/kernel.hpp"
 #include "common/particles/sight.hpp"
@@ -151,6 +152,7 @@ struct Joint {
 /// the pair lists, [columns] of the faces.
 template <int D>
 struct Stencil {
+  Domain domain;                       ///< whose owned particles are the real ones
   std::size_t n_real = 0, n_base = 0;  ///< number of real particles; the same with buffers
   std::size_t worth_threads = worth_threads_in_pairs;
   VecArray<D> position;                   ///< [all]

@@ -36,7 +36,7 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
         s.length(a) * s.normal[a].norm() > motion::even_surroundings)
       deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
-  if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
+  if (s.domain.all_of(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * p.solid_velocity[a];
@@ -213,8 +213,9 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
     share[a] = motion[a] * interval / repair_time<D>(setup, state.particles, a, view, interval);
     expansion[a] = packing_error<D>(setup, state.particles, s, a, s.fullness[a]);
   });
-  const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
-  const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
+  const double all = s.domain.sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
+  const double made =
+      s.domain.sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
   const double mean = all > 0.0 ? made / all : 0.0;
   parallel_for(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
   return expand<D>(s, expansion);

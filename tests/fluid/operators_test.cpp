@@ -125,7 +125,7 @@ TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
   }
   m.apply(std::span<const double>(u), std::span<double>(mu));
   m.apply(std::span<const double>(v), std::span<double>(mv));
-  EXPECT_NEAR(dot(u, mv), dot(v, mu), 1e-12 * norm(u) * norm(mv));
+  EXPECT_NEAR(Domain().dot(u, mv), Domain().dot(v, mu), 1e-12 * Domain().norm(u) * Domain().norm(mv));
 }
 
 /// Disordered particles of two sizes, beside walls.

@@ -1,0 +1,149 @@
+// Water on two ranks moves as on one. Each rank has a body of water of its own, out of the other's reach, so that no
+// values pass between them: what differs from one rank was decided by one rank alone.
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+#include "tests/particles/ranks.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+using poretwin::test::ThreadRanks;
+
+constexpr double dx = 0.01;
+
+/// A basin between two walls.
+void add_basin(double left, double right, Case& scene) {
+  for (const auto& side : {line(left, 0.4, left, 0.0), line(left, 0.0, right, 0.0), line(right, 0.0, right, 0.4)})
+    scene.walls.push_back(wall(side));
+}
+
+Case dry() {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.pressure_tolerance = 1e-14;
+  return scene;
+}
+
+/// The first of these regions of water belongs to rank 0, the second to rank 1.
+using Regions = std::array<Shape, 2>;
+
+/// The scene as a rank sees it: with its own water. Rank 0 has the water faces left of x = 0.5 m, rank 1 the others.
+Case part_of(const Case& scene, std::size_t rank, const std::vector<Shape>& regions) {
+  Case own = scene;
+  own.fluid.regions = regions;
+  own.fluid.seed += static_cast<unsigned>(rank);
+  std::erase_if(own.water_faces, [&](const WaterFace& face) { return (face.face.points[0].x() < 0.5) != (rank == 0); });
+  return own;
+}
+
+/// Runs the scene with both regions on one rank, and with each on its own: in the fluid's own windows, which are the
+/// same on all, and twenty of them. Compares each particle. The
+/// bound is far above what the solves leave over and rounding adds (1e-8), and far below what a decision of one rank
+/// alone changes.
+void expect_the_same(Case scene, const Regions& regions) {
+  constexpr double most = 1e-6;
+  const auto run = [&](Phase& phase, double& time) {
+    phase.initialise({});
+    ScalarArray intervals;
+    for (std::uint64_t step = 0; step < 20; ++step) {
+      intervals.push_back(std::min(1e-2, phase.proposal().first));
+      phase.advance({step, time, intervals.back()}, {});
+      time += intervals.back();
+    }
+    intervals.push_back(phase.proposal().first);
+    return intervals;
+  };
+  scene.fluid.regions = {regions[0], regions[1]};
+  Fluid<2> one(scene);
+  double end = 0.0;
+  const ScalarArray windows = run(one, end);
+  const auto& whole = one.state().particles;
+  std::array<Particles<2>, 2> parts;
+  ThreadRanks two(2);
+  two.run([&](std::size_t rank, const Ranks& ranks) {
+    Fluid<2> fluid(part_of(scene, rank, {regions[rank]}), Domain(ranks, 0, 0));
+    double time = 0.0;
+    const ScalarArray here = run(fluid, time);
+    for (std::size_t i = 0; i < here.size(); ++i) EXPECT_NEAR(here[i], windows[i], most * windows[i]) << i;
+    parts[rank] = fluid.state().particles;
+  });
+  EXPECT_GT(two.meetings(), 100U);
+  ASSERT_EQ(parts[0].size() + parts[1].size(), whole.size());
+  ASSERT_TRUE(parts[0].size() > 0 && parts[1].size() > 0);
+  double fastest = 0.0, moved = 0.0, differs = 0.0;
+  for (std::size_t a = 0; a < whole.size(); ++a) {
+    const bool first = a < parts[0].size();
+    const Particles<2>& part = parts[first ? 0 : 1];
+    const std::size_t i = first ? a : a - parts[0].size();
+    fastest = std::max(fastest, whole.velocity[a].norm());
+    moved = std::max(moved, (whole.position[a] - part.position[i]).norm());
+    differs = std::max(differs, (whole.velocity[a] - part.velocity[i]).norm());
+  }
+  EXPECT_GT(fastest, 0.0);
+  EXPECT_LT(moved, most * dx);
+  EXPECT_LT(differs, most * std::max(fastest, 1e-3));
+}
+
+TEST(FluidOnRanks, TwoDamsBreakAsOnOne) {
+  Case scene = dry();
+  add_basin(0.0, 0.4, scene);
+  add_basin(1.0, 1.3, scene);
+  expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.15), box(1.0, 0.0, 1.05, 0.3)});
+}
+
+TEST(FluidOnRanks, WaterSeepsThroughTwoBlocksAsOnOne) {
+  Case scene = dry();
+  for (const double left : {0.0, 1.0}) {
+    const double depth = left > 0.0 ? 0.18 : 0.12;
+    scene.soils.push_back(sand());
+    scene.soils.back().hydraulic_conductivity = left > 0.0 ? 1e-3 : 2e-3;
+    scene.soils.back().shape = box(left, 0.0, left + 0.2, 0.2);
+    scene.walls.push_back(wall(line(left, 0.0, left + 0.2, 0.0)));
+    scene.water_faces.push_back(head_face(line(left, 0.2, left, 0.0), depth));
+    scene.water_faces.push_back(pressure_face(line(left + 0.2, 0.0, left + 0.2, 0.2), 0.0));
+  }
+  expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.12), box(1.0, 0.0, 1.1, 0.18)});
+}
+
+TEST(FluidOnRanks, SeepageAndADamThatBreaks) {
+  Case scene = dry();
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.0, 0.0, 0.2, 0.2);
+  scene.walls = {wall(line(0.0, 0.0, 0.2, 0.0))};
+  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.15), pressure_face(line(0.2, 0.0, 0.2, 0.2), 0.0)};
+  add_basin(1.0, 1.3, scene);
+  expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.15), box(1.0, 0.0, 1.1, 0.2)});
+}
+
+TEST(FluidOnRanks, ADryRankTakesPart) {
+  Case scene = dry();
+  add_basin(0.0, 0.4, scene);
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(1.0, 0.0, 1.2, 0.2);
+  scene.water_faces = {pressure_face(line(1.2, 0.0, 1.2, 0.2), 0.0)};
+  ThreadRanks two(2);
+  two.run([&](std::size_t rank, const Ranks& ranks) {
+    const std::vector<Shape> water = {box(0.0, 0.0, 0.1, 0.15)};
+    Fluid<2> fluid(part_of(scene, rank, rank == 0 ? water : std::vector<Shape>()), Domain(ranks, 0, 0));
+    fluid.initialise({});
+    for (std::uint64_t step = 0; step < 3; ++step) fluid.advance({step, 1e-3 * static_cast<double>(step), 1e-3}, {});
+    EXPECT_EQ(fluid.state().particles.size() > 0, rank == 0);
+  });
+}
+
+/// Explicit sweeps have limits of their own.
+TEST(FluidOnRanks, ExplicitSweepsTakeTheSameWindows) {
+  Case scene = dry();
+  scene.fluid.pressure_tolerance.reset();
+  scene.fluid.scheme = FluidCase::Scheme::eisph;
+  add_basin(0.0, 0.4, scene);
+  add_basin(1.0, 1.3, scene);
+  expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.15), box(1.0, 0.0, 1.05, 0.3)});
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
