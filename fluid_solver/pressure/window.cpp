@@ -58,6 +58,21 @@ Response eliminate_skeleton(double dt, double density, double n, double n_s, con
   return r;
 }
 
+/// What the skeleton's stiffness reads of a point: modulus and amplification of its parent, 0 where that does not
+/// respond; and the stiffness by which dry soil resists [N s/m].
+struct StiffPoint {
+  std::array<double, 3> x{};
+  [[nodiscard]] const double* row() const { return x.data(); }
+  /// What it keeps of a row: the sum of the weights, and their parts by own images with reversed velocity behind walls,
+  /// and by faces and dry soil.
+  template <class In>
+  struct Row {
+    typename In::Number sum{};
+    double turned = 0.0, held;
+    explicit Row(const double* self) : held(self[2]) {}
+  };
+};
+
 /// The operators of one window and their solution.
 template <int D>
 class WindowSolver {
@@ -648,40 +663,37 @@ class WindowSolver {
     image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
     ScalarArray preconditioner(n_, 1.0);
-    // Data of a point: modulus and amplification of its parent; 0 where that does not respond.
-    std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
+    std::vector<StiffPoint> points(s_.size());
     for (std::size_t j = 0; j < s_.size(); ++j)
-      if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
+      if (const Index b = s_.parent[j]; b < n_ && responds(b))
+        points[j].x = {r_[b].M, s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
     const bool buffers = s_.n_base > n_;
-    for_each_in_lanes(
-        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+    for_pairs<StiffPoint::Row>(
+        s_.rows(), PairInputs{points.data()},
+        [&](const auto& pair, auto& own) __attribute__((always_inline)) {
+          const std::size_t a = pair.i;
+          if (!responds(a)) return;
+          NumberOf<decltype(pair)> M, amplification, w;
+          gather_one(pair.rows(), 0, M);
+          gather_one(pair.rows(), 1, amplification);
+          take(&s_.gradient_factor[pair.m], w);
+          w *= s_.volume[a] * dt * (pair.self[1] + amplification) * (2.0 * pair.self[0] * M / (pair.self[0] + M));
+          put(w, &image_weight_[pair.m]);
+          take(&image_weight_[pair.m], w);  // as it is stored: then the skeleton moves as a whole without force
+          own.sum += w;
+          pair.for_each([&](Index j, std::size_t k) {
+            const Index b = s_.parent[j];
+            if (b == a) own.turned += static_cast<double>(image_weight_[k]);
+            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+              own.held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k]) *
+                          s_.amplified(a, b) * s_.reflection(a, b);
+          });
+        },
+        [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
           if (!responds(a)) return;
           H_diagonal_[a] = s_.volume[a] / r_[a].ss;
-          double turned = 0.0,
-                 held = dry_skeleton_stiffness(a);  // by own images with reversed velocity behind walls; by faces and
-                                                    // by dry soil
-          Lanes sum{};
-          for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
-            const Index* const i = &s_.other[k];
-            const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
-                        amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
-            Lanes w;
-            take(&s_.gradient_factor[k], w);
-            w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
-            put(w, &image_weight_[k]);
-            take(&image_weight_[k], w);  // as it is stored: then the skeleton moves as a whole without force
-            sum += w;
-            for (std::size_t l = 0; l < n_lanes; ++l) {
-              const Index j = i[l], b = s_.parent[j];
-              if (b == a) turned += w[l];
-              if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
-                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k + l]) *
-                        s_.amplified(a, b) * s_.reflection(a, b);
-            }
-          }
-          const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-          H_diagonal_[a] += all + held;
-          preconditioner[a] = H_diagonal_[a] - turned;
+          H_diagonal_[a] += sum_of_lanes(own.sum) + own.held;
+          preconditioner[a] = H_diagonal_[a] - own.turned;
         });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
