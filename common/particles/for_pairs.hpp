@@ -73,6 +73,8 @@ struct PairInputs {
   const Packed* all;
   std::size_t n = 0;  ///< number of points; read only where lines are fetched
 };
+template <class Packed>
+PairInputs(const Packed*) -> PairInputs<Packed>;
 
 /// One pair, or four pairs of one row: what a body sees. both: it acts on both particles.
 template <class In, class Packed, bool acts_on_both>

@@ -531,8 +531,9 @@ class WindowSolver {
 
   /// Subtracts from the values of each of these bodies their mean, since the matrix is singular there.
   void remove_means(std::span<double> x) const {
-    for (const auto& [of, count] : closed_) {
-      const double mean = domain_.sum_over(of.size(), [&](std::size_t i) { return x[of[i]]; }) / count;
+    for (const auto& body : closed_) {
+      const auto& of = body.rows;
+      const double mean = domain_.sum_over(of.size(), [&](std::size_t i) { return x[of[i]]; }) / body.count;
       parallel_for(of.size(), [&](std::size_t i) { x[of[i]] -= mean; });
     }
   }
