@@ -31,8 +31,8 @@ bool is_drag_dominated(const Setup<D>& setup, const Particles<D>& p, const SoilV
 /// Whether all water is in the seepage regime and dominated by drag, so that none moves as free water does.
 template <int D>
 bool all_quasi_static(const Setup<D>& setup, const Particles<D>& p, const SoilView<D>& view) {
-  return setup.domain.all_of(
-      view.size(), [&](std::size_t a) { return p.in_seepage[a] != 0 && is_drag_dominated<D>(setup, p, view, a); });
+  return parallel_all(view.size(),
+                      [&](std::size_t a) { return p.in_seepage[a] != 0 && is_drag_dominated<D>(setup, p, view, a); });
 }
 
 /// Takes a particle out of the seepage regime where most of the water in the soil around it is not in that regime (in

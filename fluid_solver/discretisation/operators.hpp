@@ -219,8 +219,7 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, st
 template <int D>
 ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
   ScalarArray result(s.n_real, 0.0);
-  if (carried == Carried::no && s.domain.all_of(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); }))
-    return result;
+  if (carried == Carried::no && parallel_all(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); })) return result;
   sum_differences<D>(
       s, f, carried, 0, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
         result[a] = sum.cwiseProduct(s.correction_open(a).transpose()).sum();

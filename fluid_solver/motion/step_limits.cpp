@@ -154,9 +154,10 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
       !setup.domain.all_of(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
-  if (setup.domain.any(std::any_of(state.columns.begin(), state.columns.end(), open))) {
+  if (std::any_of(state.columns.begin(), state.columns.end(), open)) {
     const ColumnFinder<D> finder(state.columns);
-    const double fastest = setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) {
+    // Of this rank, as all limits.
+    const double fastest = one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
       const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
       if (i < 0) return 0.0;
       const auto& c = state.columns[static_cast<std::size_t>(i)];
@@ -196,7 +197,6 @@ void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const
     if (acceleration == 0.0) continue;
     longest = std::min(longest, 0.5 * spacing / (speed + std::sqrt(speed * speed + acceleration * spacing)));
   }
-  longest = setup.domain.min(longest);
   if (std::isfinite(longest))
     state.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
 }
@@ -224,9 +224,6 @@ void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& stat
     drag = std::min(drag, n * setup.density / C);
     if (setup.coupled) skeleton = std::min(skeleton, view.density[a] * n * n / C);
   }
-  sweep = setup.domain.min(sweep);
-  drag = setup.domain.min(drag);
-  skeleton = setup.domain.min(skeleton);
   state.window_limits.push_back({sweep, "compression under explicit sweeps"});
   if (!implicit_drag) state.window_limits.push_back({drag, "explicit drag"});
   state.window_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
@@ -251,11 +248,14 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     return p.in_seepage[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > slow);
   };
   const auto fastest_of = [&](bool flowing) {
-    return setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) {
+    // Of this rank, as all limits here; the least of all ranks counts.
+    return one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
       return flows(a) == flowing ? p.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
     });
   };
-  const auto any_is = [&](const auto& what) { return setup.domain.any_of(p.size(), what); };
+  const auto any_is = [&](const auto& what) {
+    return !parallel_all(p.size(), [&](std::size_t a) { return !what(a); });
+  };
   const bool free_water = any_is(flows);
   const bool free_surface =
       free_water && any_is([&](std::size_t a) { return p.surface[a] != Surface::interior && flows(a); });
@@ -279,8 +279,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     }
   apply(central_interval(setup), "central force");
   if (free_water)
-    apply(viscous_interval(
-              setup, setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
+    // Of this rank, too.
+    apply(viscous_interval(setup, one_rank::max_over(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
           "viscosity");
   for (std::size_t f = 0; f < faces.boundaries.size(); ++f)
     if (!faces.is_opening(state, static_cast<int>(f))) {
@@ -325,7 +325,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
       if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
     }
   }
-  limit.first = setup.domain.min(limit.first);  // the limits by faces and inlets are of this rank alone
+  limit.first = setup.domain.min(limit.first);
   return limit;
 }
 

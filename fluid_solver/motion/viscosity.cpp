@@ -34,7 +34,7 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   // In soil drag damps more than this viscosity would, unless inertia dominates there, too.
   std::vector<char> damped(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated<D>(setup, state.particles, view, a); });
-  if (s.domain.all_of(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
+  if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   using motion::impact_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, setup.no_slip);

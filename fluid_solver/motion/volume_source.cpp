@@ -37,7 +37,7 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
         s.length(a) * s.normal[a].norm() > motion::even_surroundings)
       deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
-  if (s.domain.all_of(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
+  if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * p.solid_velocity[a];

@@ -744,7 +744,7 @@ class WindowSolver {
   /// whole pressure, as in free water, whose projection is compact.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
     if (!any_response_ || in_.in_seepage.empty() ||
-        domain_.all_of(in_.in_seepage.size(), [&](std::size_t a) { return in_.in_seepage[a] != 0; }))
+        std::all_of(in_.in_seepage.begin(), in_.in_seepage.end(), [](char in_seepage) { return in_seepage != 0; }))
       return;
     const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
     for (std::size_t a = 0; a < n_; ++a)
@@ -955,8 +955,8 @@ class WindowSolver {
     out.gradient = plain_gradient(out.pressure, false);
     tell_face_flow(out);
     VecArray<D> flux;  // empty: the mobility is the same everywhere
-    const double mobility = domain_.max(n_ == 0 ? 0.0 : q_[0].kf);
-    if (!domain_.all_of(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
+    const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
+    if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
       ScalarArray own(n_);
       parallel_for(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
       flux = pressure_gradient<D>(

@@ -45,9 +45,9 @@ Ran run(Solid<2>& solid, std::size_t windows) {
   return out;
 }
 
-/// Compares each particle with the nearest of the other run. The bound is far above what rounding adds, and far below
-/// what a decision of one rank alone changes.
-void expect_the_same(const Case& scene, std::size_t windows) {
+/// Compares each particle with the nearest of the other run; returns its counters. The bound is far above what rounding
+/// adds, and far below what a decision of one rank alone changes.
+std::map<std::string, double> expect_the_same(const Case& scene, std::size_t windows) {
   constexpr double most = 1e-6;
   Solid<2> whole(scene);
   const Ran one = run(whole, windows);
@@ -59,7 +59,7 @@ void expect_the_same(const Case& scene, std::size_t windows) {
     Solid<2> solid(own, Domain(ranks, 0, 0));
     parts[rank] = run(solid, windows);
   });
-  ASSERT_EQ(parts[0].particles.size() + parts[1].particles.size(), one.particles.size());
+  EXPECT_EQ(parts[0].particles.size() + parts[1].particles.size(), one.particles.size());
   double moved = 0.0, farthest = 0.0;
   for (const Ran& part : parts) {
     for (std::size_t k = 0; k < windows; ++k) EXPECT_NEAR(part.intervals[k], one.intervals[k], most * one.intervals[k]);
@@ -76,12 +76,21 @@ void expect_the_same(const Case& scene, std::size_t windows) {
   }
   EXPECT_GT(farthest, 1e-4 * dx);
   EXPECT_LT(moved, most * dx);
+  return one.counters;
 }
 
 TEST(SolidOnRanks, TwoBlocksComeToRestAndSleepAsOnOne) {
   Case scene = two_blocks();
   scene.solid.quiet = Quiet{};
   expect_the_same(scene, 10);
+}
+
+/// Blocks that are let go swing until they are quiet, and sleep once both are.
+TEST(SolidOnRanks, TwoBlocksCalmDownAndSleepAsOnOne) {
+  Case scene = two_blocks();
+  scene.solid.quiet = Quiet{.sleep_below = 0.02, .wake_above = 0.2};
+  scene.solid.initial_rest = false;
+  EXPECT_GT(expect_the_same(scene, 80).at("substeps asleep"), 0.0);
 }
 
 TEST(SolidOnRanks, TwoHeapsCollapseAsOnOne) {
