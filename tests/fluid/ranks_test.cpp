@@ -75,6 +75,7 @@ void expect_the_same(Case scene, const Regions& regions, const Twenty& windows =
   const ScalarArray intervals = run(one, end);
   const auto& whole = one.state().particles;
   std::array<Particles<2>, 2> parts;
+  std::array<std::vector<TimeLimit>, 2> limits;
   ThreadRanks two(2);
   two.run([&](std::size_t rank, const Ranks& ranks) {
     Fluid<2> fluid(part_of(scene, rank, {regions[rank]}), Domain(ranks, 0, 0));
@@ -82,9 +83,23 @@ void expect_the_same(Case scene, const Regions& regions, const Twenty& windows =
     const ScalarArray here = run(fluid, time);
     for (std::size_t i = 0; i < here.size(); ++i)
       EXPECT_NEAR(here[i], intervals[i], windows.most_of_windows * intervals[i]) << i;
-    parts[rank] = fluid.state().particles;
+    const State<2>&state = fluid.state(), &expected = one.state();
+    EXPECT_NEAR(state.pressure_change, expected.pressure_change, windows.most_of_windows * expected.pressure_change);
+    EXPECT_NEAR(state.widest_range, expected.widest_range, windows.most_of_windows * expected.widest_range);
+    EXPECT_NEAR(state.controlled, expected.controlled, windows.most_of_windows * expected.controlled);
+    parts[rank] = state.particles;
+    limits[rank] = state.window_limits;
   });
   EXPECT_GT(two.meetings(), 100U);
+  // Of each kind of limit, the least of the ranks.
+  for (const TimeLimit& limit : one.state().window_limits) {
+    double least = HUGE_VAL;
+    for (const auto& own : limits)
+      for (const TimeLimit& other : own)
+        if (other.reason == limit.reason) least = std::min(least, other.interval);
+    EXPECT_TRUE(least == limit.interval || std::abs(least - limit.interval) <= windows.most_of_windows * limit.interval)
+        << limit.reason << ": " << least << ", " << limit.interval;
+  }
   ASSERT_EQ(parts[0].size() + parts[1].size(), whole.size());
   ASSERT_TRUE(parts[0].size() > 0 && parts[1].size() > 0);
   double fastest = 0.0, moved = 0.0, differs = 0.0;
