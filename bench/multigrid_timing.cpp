@@ -57,7 +57,7 @@ void measure(std::size_t n, bool layered) {
     for (std::size_t a = 0; a < r.size(); ++a) z[a] = r[a] / A.diagonal[a];
   };
   double t = cpu();
-  const auto plain = conjugate_gradients(apply, by_diagonal, b, p, 1e-4 * norm(b), 5000);
+  const auto plain = conjugate_gradients(Domain(), apply, by_diagonal, b, p, 1e-4 * Domain().norm(b), 5000);
   const double diagonal = cpu() - t;
   std::fill(p.begin(), p.end(), 0.0);
   t = cpu();
@@ -68,19 +68,19 @@ void measure(std::size_t n, bool layered) {
     for (std::size_t k = A.begin(a); k < A.end(a); ++k) add(A.column(a, k), -static_cast<double>(A.weight[k]));
   });
   const auto corrected = conjugate_gradients(
-      apply,
+      Domain(), apply,
       [&](std::span<const double> r, std::span<double> z) {
         by_diagonal(r, z);
         aggregates.template correct<1>(r, z);
       },
-      b, p, 1e-4 * norm(b), 5000);
+      b, p, 1e-4 * Domain().norm(b), 5000);
   const double in_aggregates = cpu() - t;
   std::fill(p.begin(), p.end(), 0.0);
   t = cpu();
   Multigrid multigrid(A);
   const double build = cpu() - t;
   const auto quick = conjugate_gradients(
-      apply, [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, p, 1e-4 * norm(b), 500);
+      Domain(), apply, [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, p, 1e-4 * Domain().norm(b), 500);
   const double whole = cpu() - t;
   const auto nanoseconds = [&](const auto& pass) {  // per particle; the shortest of five rounds
     const int passes = static_cast<int>(std::max<std::size_t>(2, 1000000 / x.size()));

@@ -1,7 +1,7 @@
 // Pair loops compared with what this machine can do: one fused pass of density divergence, pressure gradient and
 // Laplacian over the pairs of a jittered lattice, with a neighbour list, a list in lanes and a half list in lanes; and
 // the loops of both solvers on the same points. Run by hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
-#include "solid_solver/discretisation/pair_loops.hpp"
+#include "common/particles/for_pairs.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 
@@ -16,15 +16,18 @@ namespace {
 
 double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Shortest CPU time of one call [s], of as many calls as fit into half a second (at least three).
+/// CPU time of one call [s]: the shortest mean of batches that take 20 ms or more each, as clocks of CPU time may be
+/// coarse, of as many as fit into a second (at least three).
 template <class Job>
 double seconds(Job&& job) {
   double least = 1e300;
-  int runs = 0;
-  for (const double end = cpu() + 0.5; runs < 3 || cpu() < end; ++runs) {
+  int batches = 0;
+  for (const double end = cpu() + 1.0; batches < 3 || cpu() < end; ++batches) {
+    int calls = 0;
     const double begin = cpu();
-    job();
-    least = std::min(least, cpu() - begin);
+    double now = begin;
+    for (; now < begin + 0.02; now = cpu(), ++calls) job();
+    least = std::min(least, (now - begin) / calls);
   }
   return least;
 }
@@ -57,49 +60,37 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
   }
 }
 
-[[gnu::always_inline]] inline void four_pairs(const double* a, const FourRows<const double>& rows, double scale,
-                                              double half_inverse, Lanes& factor, Lanes* contribution, Lanes& volume) {
-  Lanes b[8], r[2], u;
-  gather<0, 8>(rows, b);
-  for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
-  u = r[0] * r[0] + r[1] * r[1];
-  sqrt_in_place(u);
-  u = 1.0 - half_inverse * u;
-  max_in_place(u, Lanes{});
-  factor = scale * u * u * u;
-  const Lanes difference = factor * (b[4] - a[4]);
-  contribution[0] = factor * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
-  contribution[1] = difference * r[0];
-  contribution[2] = difference * r[1];
-  contribution[3] = 2.0 * difference;
-  volume = b[5];
-}
-
 /// Four pairs at a time, each stored once or twice.
 void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, double h,
                std::vector<solid::Sums<4>>& sums) {
   sums.assign(points.size(), {});
   const double scale = scale_of(h), half_inverse = 0.5 / h;
-  const solid::PairView list(pairs);
-  const Point* const all = points.data();
   solid::Sums<4>* const sum_of = sums.data();
-  solid::for_rows_in_lanes(
-      pairs, 0, pairs.size(), [=](std::size_t i) __attribute__((always_inline)) {
-        Lanes own[4] = {};
-        const double* const a = all[i].x;
-        solid::for_four_pairs(
-            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              Lanes factor, contribution[4], volume;
-              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, factor, contribution, volume);
-              for (int n = 0; n < 4; ++n) own[n] += volume * contribution[n];
-              if (!both) return;
-              contribution[0] *= a[5];
-              for (int n = 1; n < 3; ++n) contribution[n] *= a[5];
-              contribution[3] *= -a[5];
-              scatter_add<4>(contribution, solid::sums_at(sum_of, &list.index[m]));
-            });
-        add_lanes<4>(own, sum_of[i].x.data());
-      });
+  for_pairs<SumsOf<4>::Row>(
+      pairs.rows(0, pairs.size()), PairInputs{points.data()},
+      [=](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const a = pair.self;
+        Number b[8], r[2], u, contribution[4];
+        gather<0, 8>(pair.rows(), b);
+        for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
+        u = r[0] * r[0] + r[1] * r[1];
+        sqrt_in_place(u);
+        u = 1.0 - half_inverse * u;
+        max_in_place(u, Number{});
+        const Number factor = scale * u * u * u, difference = factor * (b[4] - a[4]);
+        contribution[0] = factor * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
+        contribution[1] = difference * r[0];
+        contribution[2] = difference * r[1];
+        contribution[3] = 2.0 * difference;
+        for (int n = 0; n < 4; ++n) own.sum[n] += b[5] * contribution[n];
+        if (!pair.both) return;
+        contribution[0] *= a[5];
+        for (int n = 1; n < 3; ++n) contribution[n] *= a[5];
+        contribution[3] *= -a[5];
+        pair.template give<4>(contribution, [=](Index j) { return sum_of[j].x.data(); });
+      },
+      [=](std::size_t i, const auto& own) __attribute__((always_inline)) { own.add_to(sum_of[i].x.data()); });
 }
 
 /// The same pairs, each stored for both of its particles.

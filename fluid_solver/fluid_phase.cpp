@@ -21,8 +21,9 @@
 namespace poretwin::fluid {
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices)
-    : setup_(scene, lattices),
+Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices,
+                const Domain& domain)
+    : setup_(scene, lattices, domain),
       state_(first_state<D>(scene, setup_, boundaries, lattices)),
       faces_(scene, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {

@@ -13,10 +13,11 @@ namespace poretwin::fluid {
 template <int D>
 class Fluid final : public Phase {
  public:
-  explicit Fluid(const Case& scene) : Fluid(scene, make_water_boundaries(scene)) {}
+  /// domain: the part of the water that this process computes; the case's regions of water are those of this part.
+  explicit Fluid(const Case& scene, const Domain& domain = {}) : Fluid(scene, make_water_boundaries(scene), domain) {}
   /// boundaries: those of the case's water faces, in their order, used in place of the ones that their keys describe.
-  Fluid(const Case& scene, WaterBoundaries boundaries)
-      : Fluid(scene, std::move(boundaries), water_lattices<D>(scene)) {}
+  Fluid(const Case& scene, WaterBoundaries boundaries, const Domain& domain = {})
+      : Fluid(scene, std::move(boundaries), water_lattices<D>(scene), domain) {}
 
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
@@ -41,7 +42,7 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
-  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices);
+  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices, const Domain& domain);
   /// Moves the pistons by their speed over an interval [s], and the walls with them.
   void push_pistons(double interval);
   /// Derives limits of the next window from this one. pressure_before, velocity_before: values at this window's start.

@@ -69,8 +69,9 @@ std::vector<Lattice<D>> water_lattices(const Case& scene) {
 }
 
 template <int D>
-Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices)
-    : spacing(scene.fluid.particle_spacing),
+Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const Domain& here)
+    : domain(here),
+      spacing(scene.fluid.particle_spacing),
       density(scene.water.density),
       kinematic_viscosity(scene.water.kinematic_viscosity),
       cavitation_pressure(scene.water.cavitation_pressure),
@@ -106,10 +107,9 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices)
   const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>::Zero();
   for (const auto& lattice : lattices)
     for (const auto& x : lattice.position)
-      if (const double height = up.dot(x) + 0.5 * spacing; height > top) {
-        top = height;
-        origin = height * up;
-      }
+      top = std::max(top, up.dot(x) + 0.5 * spacing);
+  top = domain.max(top);
+  if (top > -1e300) origin = top * up;
   const bool sight = D == 2 && sight_matters(scene);
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     const auto& wall = scene.walls[w];

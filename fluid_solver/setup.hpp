@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/particles/domain.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/exchange/drag_form.hpp"
 #include "fluid_solver/exchange/ground.hpp"
@@ -27,10 +28,12 @@ struct PressedWall {
 template <int D>
 std::vector<Lattice<D>> water_lattices(const Case& scene);
 
-/// Properties of the water that stay constant during a run. lattices: see water_lattices.
+/// Properties of the water that stay constant during a run. lattices: see water_lattices; those of this domain.
 template <int D>
 struct Setup {
-  Setup(const Case& scene, std::span<const Lattice<D>> lattices);
+  Setup(const Case& scene, std::span<const Lattice<D>> lattices, const Domain& here = {});
+
+  Domain domain;  ///< the part of the water that this process computes
 
   double spacing = 0.0;                  ///< of particles [m]
   double density = 1000.0;               ///< of water, kg/m3

@@ -313,9 +313,10 @@ bool Stepper::solve(double interval, State& state) {
 
 double Stepper::solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const {
   const Ilu0 factors(matrix_);
-  return static_cast<double>(flexible_gmres([this](auto u, auto y) { matrix_.apply(u, y); },
+  const Domain domain;  // one process has the whole field
+  return static_cast<double>(flexible_gmres(domain, [this](auto u, auto y) { matrix_.apply(u, y); },
                                             [&factors](auto r, auto z) { factors.apply(r, z); }, right, x,
-                                            tolerance * norm(right), steps::most_linear_iterations)
+                                            tolerance * domain.norm(right), steps::most_linear_iterations)
                                  .iterations);
 }
 

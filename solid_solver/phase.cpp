@@ -20,8 +20,8 @@ namespace poretwin::solid {
 using namespace coupling;  // NOLINT: the names of the contract
 
 template <int D>
-Solid<D>::Solid(const Case& scene) : digest_(scene.digest()) {
-  auto [setup, particles] = set_up<D>(scene);
+Solid<D>::Solid(const Case& scene, const Domain& domain) : digest_(scene.digest()) {
+  auto [setup, particles] = set_up<D>(scene, domain);
   setup_ = std::move(setup);
   if (setup_.coupling.coupled) quasi_static_ = QuasiStaticWindow<D>(particles.position);
   state_ = laid_out(setup_, std::move(particles));
@@ -42,7 +42,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
   start_counting(state_);
   // Soil that the case draws in motion is followed from the first window on. A search for equilibrium would stop it.
   const auto is_moving = [](const Vec<D>& v) { return !v.isZero(0.0); };
-  if (setup_.coupling.coupled && std::ranges::any_of(state_.particles.velocity, is_moving))
+  if (setup_.coupling.coupled && setup_.domain.any(std::ranges::any_of(state_.particles.velocity, is_moving)))
     state_.motion.begins(long_window(setup_));
 }
 

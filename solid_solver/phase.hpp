@@ -11,7 +11,8 @@ namespace poretwin::solid {
 template <int D>
 class Solid final : public Phase {
  public:
-  explicit Solid(const Case& scene);
+  /// domain: the part of the soil that this process computes; the case's soils are those of this part.
+  explicit Solid(const Case& scene, const Domain& domain = {});
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;

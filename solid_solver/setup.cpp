@@ -203,8 +203,9 @@ Setup<D> weaker(const Setup<D>& setup, double factor) {
 }
 
 template <int D>
-std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
+std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain) {
   Setup<D> setup;
+  setup.domain = domain;
   Particles<D> particles;
   setup.spacing = scene.solid.particle_spacing;
   if (!(setup.spacing > 0.0))
@@ -312,6 +313,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.models[particles.material[i]]->initial(particles.stress[i], particles.state_of(i));
   particles.rubbing.assign(n, 0.0F);
   const double g = setup.gravity.norm();
+  for (int d = 0; d < D; ++d) {
+    box.min()[d] = domain.min(box.min()[d]);
+    box.max()[d] = domain.max(box.max()[d]);
+  }
   setup.height = setup.spacing + (g > 0.0 ? box.sizes().dot(setup.gravity.cwiseAbs()) / g : box.sizes().maxCoeff());
   const double weight = weight_of_all(scene, setup);
   double fastest = 0.0;
@@ -368,7 +373,7 @@ template struct Setup<2>;
 template struct Setup<3>;
 template Setup<2> weaker<2>(const Setup<2>&, double);
 template Setup<3> weaker<3>(const Setup<3>&, double);
-template std::pair<Setup<2>, Particles<2>> set_up<2>(const Case&);
-template std::pair<Setup<3>, Particles<3>> set_up<3>(const Case&);
+template std::pair<Setup<2>, Particles<2>> set_up<2>(const Case&, const Domain&);
+template std::pair<Setup<3>, Particles<3>> set_up<3>(const Case&, const Domain&);
 
 }  // namespace poretwin::solid

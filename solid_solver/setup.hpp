@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/media/seepage.hpp"
+#include "common/particles/domain.hpp"
 #include "solid_solver/discretisation/boundaries.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 #include "solid_solver/discretisation/plates.hpp"
@@ -71,6 +72,7 @@ struct InitialRest {
 
 template <int D>
 struct Setup {
+  Domain domain;                  ///< the part of the soil that this process computes
   double spacing = 0.0;           ///< m
   double smoothing_length = 0.0;  ///< m
   double full_cover = 1.0;        ///< sum V W in soil on its initial lattice
@@ -159,6 +161,6 @@ Setup<D> weaker(const Setup<D>& setup, double factor);
 
 /// Setup of a case, and particles on the lattices of its soils. Throws CaseError when no particle lies in any soil.
 template <int D>
-std::pair<Setup<D>, Particles<D>> set_up(const Case& scene);
+std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain = {});
 
 }  // namespace poretwin::solid

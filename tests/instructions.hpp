@@ -9,7 +9,8 @@ namespace poretwin::test {
 template <class F>
 void with_each_instruction_set(F&& f) {
   const Instructions best = instructions();
-  for (const Instructions lower : {Instructions::plain, Instructions::avx2, Instructions::avx512}) {
+  for (const Instructions lower :
+       {Instructions::scalar, Instructions::plain, Instructions::avx2, Instructions::avx512}) {
     if (lower > best) continue;
     instructions() = lower;
     f();

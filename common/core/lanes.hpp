@@ -2,6 +2,7 @@
 // instructions of each machine. The choice is made at run time, so that one binary serves every processor.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -31,10 +32,12 @@ struct alignas(Lanes) Quad {
 struct InOnes {
   using Number = double;
   using Mask = bool;
+  static constexpr std::size_t width = 1;
 };
 struct InFours {
   using Number = Lanes;
   using Mask = LaneMask;
+  static constexpr std::size_t width = n_lanes;
 };
 
 inline void sqrt_in_place(double& a) { a = std::sqrt(a); }
@@ -68,6 +71,9 @@ using LooseFloats __attribute__((aligned(sizeof(float)), may_alias)) =
   *reinterpret_cast<LooseFloats*>(to) = __builtin_convertvector(from, LooseFloats);
 }
 
+inline void take(const float* from, double& to) { to = static_cast<double>(*from); }
+inline void put(double from, float* to) { *to = static_cast<float>(from); }
+
 [[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes low_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), high_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Lanes low_cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), high_cd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
@@ -81,6 +87,12 @@ using LooseFloats __attribute__((aligned(sizeof(float)), may_alias)) =
 template <class Number>
 using FourRows = std::array<Number*, n_lanes>;
 
+/// The one row that code for one particle reads in their place.
+template <class Number>
+struct OneRow {
+  Number* row;
+};
+
 /// Reads columns first .. first + n - 1 of four rows, one row per lane. Reads no column beyond these except among the
 /// first four.
 template <std::size_t first, std::size_t n>
@@ -92,6 +104,17 @@ template <std::size_t first, std::size_t n>
   for (std::size_t k = 0; k < taken; ++k) column[k] = x[skipped + k];
   if constexpr (n > n_lanes) gather<first + n_lanes, n - n_lanes>(rows, column + n_lanes);
 }
+
+template <std::size_t first, std::size_t n>
+void gather(const OneRow<const double>& from, double* column) {
+  for (std::size_t k = 0; k < n; ++k) column[k] = from.row[first + k];
+}
+
+/// Reads one column.
+[[gnu::always_inline]] inline void gather_one(const FourRows<const double>& rows, std::size_t k, Lanes& column) {
+  column = Lanes{rows[0][k], rows[1][k], rows[2][k], rows[3][k]};
+}
+inline void gather_one(const OneRow<const double>& from, std::size_t k, double& column) { column = from.row[k]; }
 
 /// Sum of weighted vectors of D components, four vectors at a time. The lanes are added in pairs, so that the result is
 /// the same on every machine.
@@ -136,6 +159,11 @@ template <std::size_t n>
   }
 }
 
+template <std::size_t n>
+void scatter_add(const double* column, const OneRow<double>& to) {
+  for (std::size_t k = 0; k < n; ++k) to.row[k] += column[k];
+}
+
 /// Adds to each of n numbers (a multiple of four) the sum over a column's lanes.
 template <std::size_t n>
 [[gnu::always_inline]] inline void add_lanes(const Lanes* column, double* row) {
@@ -146,9 +174,25 @@ template <std::size_t n>
   }
 }
 
+template <std::size_t n>
+void add_lanes(const double* column, double* row) {
+  for (std::size_t k = 0; k < n; ++k) row[k] += column[k];
+}
+
+/// Sum over a number's lanes, in the same order as above.
+[[gnu::always_inline]] inline double sum_of_lanes(const Lanes& a) { return (a[0] + a[1]) + (a[2] + a[3]); }
+inline double sum_of_lanes(double a) { return a; }
+[[gnu::always_inline]] inline double least_of_lanes(const Lanes& a) {
+  return std::min(std::min(a[0], a[1]), std::min(a[2], a[3]));
+}
+inline double least_of_lanes(double a) { return a; }
+/// The first lane becomes larger by an amount.
+[[gnu::always_inline]] inline void add_to_first(double amount, Lanes& a) { a[0] += amount; }
+inline void add_to_first(double amount, double& a) { a += amount; }
+
 /// Instruction sets of this machine, as levels of the x86-64 psABI. Tests set a lower level to check the other
-/// variants.
-enum class Instructions { plain, avx2, avx512 };
+/// variants. scalar: loops over pairs (common/particles/for_pairs.hpp) take one pair at a time, all others are plain.
+enum class Instructions { scalar, plain, avx2, avx512 };
 inline Instructions& instructions() {
 #if defined(__x86_64__)
   static Instructions found = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&

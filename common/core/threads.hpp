@@ -2,7 +2,6 @@
 // not on which thread is faster.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <memory>
@@ -68,7 +67,8 @@ void parallel_for(std::size_t n, Work&& work) {
   });
 }
 
-/// Whether holds(i) is true for every i of 0 .. n - 1; evaluated in parallel.
+/// Whether holds(i) is true for every i of 0 .. n - 1 of this rank; evaluated in parallel. For shortcuts that change no
+/// result; what decides about a run is asked of all ranks (Domain::all_of).
 template <class Holds>
 bool parallel_all(std::size_t n, const Holds& holds) {
   std::atomic<bool> all{true};
@@ -77,19 +77,6 @@ bool parallel_all(std::size_t n, const Holds& holds) {
       if (!holds(i)) all.store(false, std::memory_order_relaxed);
   });
   return all;
-}
-
-/// Maximum of `least` and all value(i), i in 0 .. n - 1; evaluated in parallel.
-template <class Value>
-double parallel_max(std::size_t n, double least, const Value& value) {
-  const std::size_t parts = small_parts_for(n);
-  std::vector<double> most(parts, least);
-  for_each_part(parts, [&](std::size_t part) {
-    double here = least;
-    for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) here = std::max(here, value(i));
-    most[part] = here;
-  });
-  return *std::max_element(most.begin(), most.end());
 }
 
 }  // namespace poretwin

@@ -4,6 +4,7 @@
 #include "common/core/in_lanes.hpp"
 #include "common/core/unset.hpp"
 #include "common/core/vector.hpp"
+#include "common/particles/domain.hpp"
 
 #include <algorithm>
 #include <array>
@@ -61,79 +62,43 @@ struct PairMatrix {
   }
 };
 
-/// Sum of of_block(first, last) over blocks of fixed size in 0 .. n - 1: the result does not depend on the number of
-/// threads.
-template <class Block>
-double sum_in_blocks(std::size_t n, const Block& of_block) {
-  constexpr std::size_t block = 8192;
-  if (n <= block) return of_block(std::size_t{0}, n);
-  ScalarArray sums((n + block - 1) / block);
-  parallel_ranges(n, [&](std::size_t first, std::size_t last) {
-    // The blocks that begin in this part.
-    for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
-      sums[i] = of_block(i * block, std::min(n, (i + 1) * block));
-  });
-  double sum = 0.0;
-  for (const double one : sums) sum += one;
-  return sum;
-}
-
-inline double dot(std::span<const double> a, std::span<const double> b) {
-  return sum_in_blocks(a.size(), [&](std::size_t i, std::size_t last) {
-    std::array<double, 4> sum{};
-    for (; i + 4 <= last; i += 4)
-      for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
-    for (; i < last; ++i) sum[0] += a[i] * b[i];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-  });
-}
-
-/// Sum of part(i) over 0 .. n - 1.
-template <class Part>
-double sum_over(std::size_t n, const Part& part) {
-  return sum_in_blocks(n, [&](std::size_t i, std::size_t last) {
-    double sum = 0.0;
-    for (; i < last; ++i) sum += part(i);
-    return sum;
-  });
-}
-
-inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }
-
 struct SolveReport {
   int iterations = 0;
   bool converged = true;
 };
 
-/// Preconditioned conjugate gradients, matrix-free. apply(x, y): y = A x. precondition(r, z): z = P^-1 r; P may change
-/// slightly between steps, since each direction is made conjugate to the last (flexible; Notay 2000). r: the residual b
-/// - A x of the given x. Stops when |residual| <= tolerance (absolute), or when residual . z <= `energy`; residual . z
-/// is of the order of the error's energy.
+/// Preconditioned conjugate gradients, matrix-free. Vectors hold the rows that this rank owns. apply(x, y): y = A x,
+/// where x also holds the halo's entries, which are up to date. precondition(r, z): z = P^-1 r; P may change slightly
+/// between steps, since each direction is made conjugate to the last (flexible; Notay 2000), and may leave out what
+/// other ranks contribute. r: the residual b - A x of the given x. Stops when |residual| <= tolerance (absolute), or
+/// when residual . z <= `energy`; residual . z is of the order of the error's energy.
 template <class Apply, class Precondition>
-SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
-                            double tolerance, int limit, double energy = 0.0) {
+SolveReport reduce_residual(const Domain& domain, Apply&& apply, Precondition&& precondition, ScalarArray r,
+                            std::span<double> x, double tolerance, int limit, double energy = 0.0) {
   const std::size_t n = r.size();
   SolveReport report;
-  if (norm(r) <= tolerance) return report;
+  if (domain.norm(r) <= tolerance) return report;
   ScalarArray z(n), p, q(n);
   precondition(std::span<const double>(r), std::span<double>(z));
   p = z;
-  double rz = dot(r, z);
+  p.resize(domain.with_halo(n));
+  double rz = domain.dot(r, z);
   if (rz <= energy) return report;
   for (; report.iterations < limit;) {
+    domain.exchange(p, domain.each(n));
     apply(std::span<const double>(p), std::span<double>(q));
     ++report.iterations;
-    const double pq = dot(p, q);
+    const double pq = domain.dot(std::span(p).first(n), q);
     if (!(pq > 0.0)) break;
     const double alpha = rz / pq;
     parallel_for(n, [&](std::size_t i) {
       x[i] += alpha * p[i];
       r[i] -= alpha * q[i];
     });
-    if (norm(r) <= tolerance) return report;
+    if (domain.norm(r) <= tolerance) return report;
     precondition(std::span<const double>(r), std::span<double>(z));
-    const double beta = -dot(z, q) / pq;
-    rz = dot(r, z);
+    const double beta = -domain.dot(z, q) / pq;
+    rz = domain.dot(r, z);
     if (rz <= energy) return report;
     parallel_for(n, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
   }
@@ -143,28 +108,31 @@ SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarAr
 
 /// Conjugate gradients for A x = b, starting from the given x.
 template <class Apply, class Precondition>
-SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray b, std::span<double> x,
-                                double tolerance, int limit) {
+SolveReport conjugate_gradients(const Domain& domain, Apply&& apply, Precondition&& precondition, ScalarArray b,
+                                std::span<double> x, double tolerance, int limit) {
   {
-    ScalarArray product(b.size());
-    apply(std::span<const double>(x), std::span<double>(product));
+    ScalarArray start(x.begin(), x.end()), product(b.size());
+    start.resize(domain.with_halo(b.size()));
+    domain.exchange(start, domain.each(b.size()));
+    apply(std::span<const double>(start), std::span<double>(product));
     parallel_for(b.size(), [&](std::size_t i) { b[i] -= product[i]; });
   }
-  return reduce_residual(apply, precondition, std::move(b), x, tolerance, limit);
+  return reduce_residual(domain, apply, precondition, std::move(b), x, tolerance, limit);
 }
 
 struct GmresReport : SolveReport {
   Eigen::VectorXd shares;  ///< coefficient in x of each direction that was applied, in their order
 };
 
-/// Flexible GMRES (Saad 1993) without restart, from x = 0; the preconditioner may itself be an iteration.
+/// Flexible GMRES (Saad 1993) without restart, from x = 0; the preconditioner may itself be an iteration. Vectors and
+/// functions: as for reduce_residual.
 template <class Apply, class Precondition>
-GmresReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
-                           double tolerance, int limit) {
+GmresReport flexible_gmres(const Domain& domain, Apply&& apply, Precondition&& precondition, std::span<const double> b,
+                           std::span<double> x, double tolerance, int limit) {
   const std::size_t n = b.size();
   std::fill(x.begin(), x.end(), 0.0);
   GmresReport report;
-  const double beta = norm(b);
+  const double beta = domain.norm(b);
   if (beta <= tolerance || beta == 0.0) return report;
   const auto m = static_cast<std::size_t>(limit);
   std::vector<ScalarArray> v{ScalarArray(b.begin(), b.end())}, z;
@@ -174,17 +142,18 @@ GmresReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span
   g[0] = beta;
   int k = 0;
   for (std::size_t j = 0; j < m; ++j) {
-    z.emplace_back(n, 0.0);
-    precondition(std::span<const double>(v[j]), std::span<double>(z[j]));
+    z.emplace_back(domain.with_halo(n), 0.0);
+    precondition(std::span<const double>(v[j]), std::span<double>(z[j]).first(n));
+    domain.exchange(z[j], domain.each(n));
     ScalarArray w(n);
     apply(std::span<const double>(z[j]), std::span<double>(w));
     const auto c = static_cast<Eigen::Index>(j);
     for (std::size_t i = 0; i <= j; ++i) {
-      const double projection = dot(w, v[i]);
+      const double projection = domain.dot(w, v[i]);
       h(static_cast<Eigen::Index>(i), c) = projection;
       for (std::size_t e = 0; e < n; ++e) w[e] -= projection * v[i][e];
     }
-    const double length = norm(w);
+    const double length = domain.norm(w);
     h(c + 1, c) = length;
     for (Eigen::Index i = 0; i < c; ++i) {
       const double t = cosine[i] * h(i, c) + sine[i] * h(i + 1, c);

@@ -100,12 +100,17 @@ void begin_bodies(const Setup<D>& setup, State<D>& state) {
 }
 
 template <int D>
-void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
-  auto& p = state.particles;
-  const auto body = connected(p.size(), std::vector<char>(p.size(), 1), [&](std::size_t a, const auto& take) {
+std::vector<int> bodies_of(const Stencil<D>& s) {
+  return connected(s.n_real, std::vector<char>(s.n_real, 1), [&](std::size_t a, const auto& take) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real) take(q);
   });
+}
+
+template <int D>
+void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
+  auto& p = state.particles;
+  const auto body = bodies_of<D>(s);
   std::vector<char> closed(p.size(), 1);  // one per body
   const auto open = [&](std::size_t a) { closed[static_cast<std::size_t>(body[a])] = 0; };
   for (std::size_t a = 0; a < p.size(); ++a)
@@ -123,6 +128,7 @@ void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
 
 #define PORETWIN_INSTANTIATE(D)                                                                   \
   template std::vector<int> bodies_of<D>(std::span<const Vec<D>>, std::span<const char>, double); \
+  template std::vector<int> bodies_of<D>(const Stencil<D>&);                                      \
   template void raise_wave_speeds(const Setup<D>&, std::span<const int>, Particles<D>&);          \
   template void begin_bodies(const Setup<D>&, State<D>&);                                         \
   template void number_closed_bodies(const Stencil<D>&, State<D>&);

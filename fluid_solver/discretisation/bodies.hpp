@@ -13,6 +13,10 @@ namespace poretwin::fluid {
 template <int D>
 std::vector<int> bodies_of(std::span<const Vec<D>> x, std::span<const char> counts, double spacing);
 
+/// The same for the real particles of a stencil, all of which count; those touch that are in each other's rows.
+template <int D>
+std::vector<int> bodies_of(const Stencil<D>& s);
+
 /// Raises the wave speed of each particle to that of long waves on its body of water, sqrt(g depth), or of a drop in
 /// the central force. body: from bodies_of.
 template <int D>

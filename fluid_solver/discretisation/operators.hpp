@@ -3,6 +3,7 @@
 
 #include "common/core/lanes.hpp"
 #include "common/numerics/csr.hpp"
+#include "common/particles/for_pairs.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 
 #include <algorithm>
@@ -66,35 +67,26 @@ struct alignas(step * sizeof(double)) PackedPoint {
 template <int D, std::size_t n_values>
 using PackedPoints = UnsetArray<PackedPoint<D, n_values>>;
 
-/// For every real particle a, calls sum(a, self, m, w, point, sums) for its pairs, four from m on at a time, and then
-/// take(a, total), compiled for this machine's vector instructions. w: vectors to the pairs' points times the gradient
-/// factor; self, point: the numbers packed with particle a and with these points.
-template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
-void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Sum& sum,
-                        const Take& take) {
-  constexpr std::size_t size = (n_sums + 3) / 4 * 4;
-  const auto rows = [&](std::size_t first, std::size_t last) __attribute__((always_inline)) {
-    for (std::size_t a = first; a < last; ++a) {
-      const double* const self = points[a].row();
-      Lanes sums[size] = {};
-      for (std::size_t m = s.offset[a]; m < s.offset[a + 1]; m += n_lanes) {
-        const Index* const i = &s.other[m];
-        Lanes point[D + n_values], w[D];
-        gather<0, D + n_values>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
-                                point);
-        Lanes factor;
-        poretwin::take(&s.gradient_factor[m], factor);
-        for (std::size_t d = 0; d < D; ++d) w[d] = factor * (point[d] - self[d]);
-        sum(a, self + D, m, w, point + D, sums);
-      }
-      alignas(32) double total[size] = {};
-      add_lanes<size>(sums, total);
-      take(a, total);
-    }
-  };
-  parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
-    run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
-  });
+/// For every real particle a, calls add(pair, factor, w, point, sum) for its pairs and then take(a, total) with the
+/// n_sums sums. factor, w: the pair's gradient factor, and the vector to the other point times it; point: the numbers
+/// packed with that point behind its position.
+template <int D, std::size_t n_values, std::size_t n_sums, class Add, class Take>
+void for_gradients(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Add& add, const Take& take) {
+  for_pairs<SumsOf<n_sums>::template Row>(
+      s.rows(), PairInputs{points.data()},
+      [&](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        Number point[D + n_values], w[D], factor;
+        gather<0, D + n_values>(pair.rows(), point);
+        poretwin::take(&s.gradient_factor[pair.m], factor);
+        for (std::size_t d = 0; d < D; ++d) w[d] = factor * (point[d] - pair.self[d]);
+        add(pair, factor, w, point + D, own.sum);
+      },
+      [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
+        alignas(32) double total[SumsOf<n_sums>::size] = {};
+        own.add_to(total);
+        take(a, total);
+      });
 }
 
 /// Corrected gradient of a piezometric pressure. face_pressure(column): the pressure at a face; surface_pressure(a):
@@ -127,21 +119,25 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     points[j].x[D + 1] = !real ? 0.0 : mobility.empty() ? 1.0 : mobility[q];
   });
   VecArray<D> result(s.n_real);
-  for_pairs_in_lanes<D, 2, D>(
+  for_gradients<D, 2, D>(
       s, points,
-      [&](std::size_t a, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
-          __attribute__((always_inline)) {
-            Lanes difference = point[0] - self[0];
-            if (!all_fitted)
-              for (std::size_t l = 0; l < n_lanes; ++l)
-                if (const Index q = s.parent[s.other[m + l]]; q >= s.n_real && !fitted[q - s.n_real])
-                  difference[l] *= s.reflection(a, q);
-            if (!mobility.empty()) {
-              const Lanes theirs = point[1] > 0.0 ? point[1] : Lanes{} + self[1];
-              difference *= 2.0 * self[1] * theirs / (self[1] + theirs);
-            }
-            for (std::size_t d = 0; d < D; ++d) sums[d] += w[d] * difference;
-          },
+      [&](const auto& pair, const auto&, const auto* w, const auto* point, auto* sum) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self + D;
+        Number difference = point[0] - self[0];
+        if (!all_fitted)
+          pair.apply(
+              [&](Index j, double x) {
+                const Index q = s.parent[j];
+                return q >= s.n_real && !fitted[q - s.n_real] ? x * s.reflection(pair.i, q) : x;
+              },
+              difference);
+        if (!mobility.empty()) {
+          const Number theirs = point[1] > 0.0 ? point[1] : Number{} + self[1];
+          difference *= 2.0 * self[1] * theirs / (self[1] + theirs);
+        }
+        for (std::size_t d = 0; d < D; ++d) sum[d] += w[d] * difference;
+      },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {
         const double own = mobility.empty() ? 1.0 : mobility[a];
         Vec<D> sum = Eigen::Map<const Vec<D>>(total);
@@ -192,18 +188,17 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
     Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
     Eigen::Map<Vec<D>>{points[j].x.data() + D} = extended_to<D>(s, f, j, carried, sticky);
   });
-  for_pairs_in_lanes<D, D, D * D>(
+  for_gradients<D, D, D * D>(
       s, points,
-      [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
-          __attribute__((always_inline)) {
-            Lanes open = Lanes{} + 1.0;
-            if (buffers)
-              for (std::size_t l = 0; l < n_lanes; ++l) open[l] = s.is_buffer(s.other[m + l]) ? 0.0 : 1.0;
-            for (std::size_t c = 0; c < D; ++c) {
-              const Lanes difference = open * (point[c] - self[c]);
-              for (std::size_t d = 0; d < D; ++d) sums[c + D * d] += w[d] * difference;
-            }
-          },
+      [&](const auto& pair, const auto&, const auto* w, const auto* point, auto* sum) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        Number open = Number{} + 1.0;
+        if (buffers) pair.apply([&](Index j, double) { return s.is_buffer(j) ? 0.0 : 1.0; }, open);
+        for (std::size_t c = 0; c < D; ++c) {
+          const Number difference = open * (point[c] - pair.self[D + c]);
+          for (std::size_t d = 0; d < D; ++d) sum[c + D * d] += w[d] * difference;
+        }
+      },
       [&](std::size_t a, const double* total)
           __attribute__((always_inline)) { take(a, Mat<D>(Eigen::Map<const Mat<D>>(total))); });
 }
@@ -248,23 +243,23 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
   const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
   UnsetArray<float> value(s.other.size());  // of the kernel, the same for both particles of a pair
   VecArray<D> parts(s.size(), Vec<D>::Zero());
-  for_each_in_lanes(
-      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
-        const double* const self = points[a].row();
-        Lanes sums{};
-        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-          const Index* const i = &s.other[k];
-          Lanes point[D + 2], r{}, w;
-          gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
-          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
-          sqrt_in_place(r);
-          pair_value<D>(r, 2.0 / (self[D + 1] + point[D + 1]), w);
-          for (std::size_t l = 0; l < n_lanes; ++l) w[l] = i[l] == a ? 0.0 : w[l];
-          put(w, &value[k]);
-          poretwin::take(&value[k], w);
-          sums += w * point[D];
-        }
-        const double sum = own(a) + ((sums[0] + sums[1]) + (sums[2] + sums[3]));
+  for_pairs<SumsOf<1>::Row>(
+      s.rows(), PairInputs{points.data()},
+      [&](const auto& pair, auto& row) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        Number point[D + 2], r{}, w;
+        gather<0, D + 2>(pair.rows(), point);
+        for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+        sqrt_in_place(r);
+        pair_value<D>(r, 2.0 / (self[D + 1] + point[D + 1]), w);
+        pair.apply([&](Index j, double x) { return j == pair.i ? 0.0 : x; }, w);
+        put(w, &value[pair.m]);
+        take(&value[pair.m], w);
+        row.sum[0] += w * point[D];
+      },
+      [&](std::size_t a, const auto& row) __attribute__((always_inline)) {
+        const double sum = own(a) + sum_of_lanes(row.sum[0]);
         if (!(sum > 0.0)) return;
         parts[a] = amounts[a] / sum;
         amounts[a].setZero();
@@ -291,21 +286,21 @@ template <int D>
 void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
   parallel_for(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
-  for_each_in_lanes(
-      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
-        Lanes sum{};
-        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-          const Index* const i = &s.other[k];
-          Lanes w;
-          poretwin::take(&s.gradient_factor[k], w);
-          w *= factor * (amplified[a] + Lanes{amplified[i[0]], amplified[i[1]], amplified[i[2]], amplified[i[3]]});
-          for (std::size_t l = 0; s.beyond[a] != 0 && l < n_lanes; ++l)
-            if (s.parent[i[l]] == a) w[l] = 0.0;
-          put(w, &m.weight[k]);
-          poretwin::take(&m.weight[k], w);
-          sum += w;
-        }
-        m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  for_pairs<SumsOf<1>::Row>(
+      s.rows(), PairInputs{amplified.data()},
+      [&](const auto& pair, auto& own) __attribute__((always_inline)) {
+        NumberOf<decltype(pair)> w, others;
+        take(&s.gradient_factor[pair.m], w);
+        gather_one(pair.rows(), 0, others);
+        w *= factor * (*pair.self + others);
+        if (s.beyond[pair.i] != 0)
+          pair.apply([&](Index j, double x) { return s.parent[j] == pair.i ? 0.0 : x; }, w);
+        put(w, &m.weight[pair.m]);
+        take(&m.weight[pair.m], w);
+        own.sum[0] += w;
+      },
+      [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
+        m.diagonal[a] = sum_of_lanes(own.sum[0]);
       });
 }
 
@@ -346,6 +341,30 @@ void make_symmetric(const Stencil<D>& s, PairMatrix& m) {
   });
 }
 
+/// What laplacians() packs of a point behind its position: volume (0: not coupled), amplification, mobilities; in 3D also
+/// the smoothing length, which would take a cube root to compute. And what it keeps of a row.
+template <int D, std::size_t n_mobilities>
+struct LaplacianRow {
+  static constexpr std::size_t volume = D, amplified = D + 1, mobility = D + 2, at_length = mobility + n_mobilities;
+  static constexpr std::size_t n_numbers = at_length - D + (D == 3 ? 1 : 0);
+  template <class Number>
+  [[gnu::always_inline]] static void length_of(const Number* point, Number& length) {
+    if constexpr (D == 3) {
+      length = point[at_length];
+    } else {
+      length = point[volume];
+      sqrt_in_place(length);
+      length = points::smoothing_ratio * length;
+    }
+  }
+  template <class In>
+  struct Row {
+    typename In::Number sum[n_mobilities] = {};
+    double faces = 0.0, length = 0.0;
+    [[gnu::always_inline]] explicit Row(const double* self) { length_of(self, length); }
+  };
+};
+
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b), G_ab = -W'/r: minus the Laplacian, weighted with the volume so that it
 /// is symmetric. One matrix for each of the mobilities of the real particles; pairs get the harmonic mean, and an empty
 /// mobility is 1. Pairs with buffers are added to the diagonal, (1 + r) (p_a - p_face), with the reflection's ratio r
@@ -370,72 +389,58 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
       for (auto& m : matrices) make_symmetric(s, m);
     return matrices;
   }
-  // Data of a point: volume (0: not coupled), amplification, mobilities. In 3D also the smoothing length, which would
-  // take a cube root to compute.
-  constexpr std::size_t at_volume = D, at_amplified = D + 1, at_mobility = D + 2,
-                        at_length = at_mobility + n_mobilities;
-  constexpr std::size_t n_numbers = at_length - D + (D == 3 ? 1 : 0);
-  const auto length_of = [](const auto* point, auto& length) __attribute__((always_inline)) {
-    if constexpr (D == 3) {
-      length = point[at_length];
-    } else {
-      length = point[at_volume];
-      sqrt_in_place(length);
-      length = points::smoothing_ratio * length;
-    }
-  };
+  using At = LaplacianRow<D, n_mobilities>;
+  constexpr std::size_t n_numbers = At::n_numbers;
   // Not padded: memory is shortest beside the matrix.
   UnsetArray<PackedPoint<D, n_numbers, 1>> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     x.fill(0.0);
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
-    if constexpr (D == 3) x[at_length] = s.length(j);
+    if constexpr (D == 3) x[At::at_length] = s.length(j);
     const Index q = s.parent[j];
     if (q >= s.n_real) return;
-    x[at_volume] = s.volume[j];
-    x[at_amplified] = s.amplification[q];
-    for (std::size_t i = 0; i < n_mobilities; ++i) x[at_mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
+    x[At::volume] = s.volume[j];
+    x[At::amplified] = s.amplification[q];
+    for (std::size_t i = 0; i < n_mobilities; ++i) x[At::mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
   });
-  for_each_in_lanes(
-      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
-        const double* const self = points[a].row();
-        Lanes sums[n_mobilities] = {};
-        double faces = 0.0, own_length = 0.0;
-        length_of(self, own_length);
-        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-          const Index* const i = &s.other[k];
-          Lanes point[D + n_numbers];
-          gather<0, D + n_numbers>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
-                                   point);
-          for (std::size_t l = 0; buffers && l < n_lanes; ++l)
-            if (const Index q = s.parent[i[l]]; q >= s.n_real)
-              faces += static_cast<double>(s.gradient_factor[k + l]) * s.reflection(a, q);
-          // The kernel is computed again: the list's is rounded together with the volume of one particle of the pair.
-          Lanes r{}, scale, length, others;
-          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
-          sqrt_in_place(r);
-          length_of(point, length);
-          pair_gradient_factor<D>(r, 2.0 / (own_length + length), scale);
-          for (std::size_t l = 0; l < n_lanes; ++l)
-            others[l] = (s.beyond[a] != 0 ? s.parent[i[l]] : i[l]) == a ? 0.0 : 1.0;
-          scale = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified]));
-          for (std::size_t m = 0; m < n_mobilities; ++m) {
-            const Lanes& mobility = point[at_mobility + m];
-            Lanes w, whole = self[at_mobility + m] + mobility;
-            max_in_place(whole, Lanes{} + 1e-300);
-            w = scale * (2.0 * self[at_mobility + m] * mobility / whole);
-            w = others > 0.0 ? w : Lanes{};
-            put(w, &matrices[m].weight[k]);
-            poretwin::take(&matrices[m].weight[k], w);
-            sums[m] += w;
-          }
-        }
+  for_pairs<LaplacianRow<D, n_mobilities>::template Row>(
+      s.rows(), PairInputs{points.data()},
+      [&](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        Number point[D + n_numbers];
+        gather<0, D + n_numbers>(pair.rows(), point);
+        if (buffers)
+          pair.for_each([&](Index j, std::size_t k) {
+            if (const Index q = s.parent[j]; q >= s.n_real)
+              own.faces += static_cast<double>(s.gradient_factor[k]) * s.reflection(pair.i, q);
+          });
+        // The kernel is computed again: the list's is rounded together with the volume of one particle of the pair.
+        Number r{}, scale, length, others{};
+        for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+        sqrt_in_place(r);
+        At::length_of(point, length);
+        pair_gradient_factor<D>(r, 2.0 / (own.length + length), scale);
+        const bool beyond = s.beyond[pair.i] != 0;
+        pair.apply([&](Index j, double) { return (beyond ? s.parent[j] : j) == pair.i ? 0.0 : 1.0; }, others);
+        scale = (self[At::volume] * point[At::volume]) * (scale * (self[At::amplified] + point[At::amplified]));
         for (std::size_t m = 0; m < n_mobilities; ++m) {
-          const Lanes& sum = sums[m];
-          matrices[m].diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]) +
-                                    2.0 * self[at_volume] * self[at_mobility + m] * self[at_amplified] * faces;
+          const Number& mobility = point[At::mobility + m];
+          Number w, whole = self[At::mobility + m] + mobility;
+          max_in_place(whole, Number{} + 1e-300);
+          w = scale * (2.0 * self[At::mobility + m] * mobility / whole);
+          w = others > 0.0 ? w : Number{};
+          put(w, &matrices[m].weight[pair.m]);
+          take(&matrices[m].weight[pair.m], w);
+          own.sum[m] += w;
         }
+      },
+      [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
+        const double* const self = points[a].row();
+        for (std::size_t m = 0; m < n_mobilities; ++m)
+          matrices[m].diagonal[a] = sum_of_lanes(own.sum[m]) + 2.0 * self[At::volume] * self[At::mobility + m] *
+                                                                   self[At::amplified] * own.faces;
       });
   if (s.uneven_images)
     for (auto& m : matrices) make_symmetric(s, m);

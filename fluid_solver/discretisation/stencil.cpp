@@ -182,57 +182,69 @@ void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   });
 }
 
-/// Computes the kernels of particle a's pairs and its sums over them; stores its moment matrix in place of the
-/// correction. by_density: fullness of open water is measured with density_weight.
+/// What sum_pairs() keeps of a row: kernel sums, and the least distance over the smoothing length.
 template <int D>
-[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool by_density, Stencil<D>& s) {
-  constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 2 + D + n_moments, size = (n_sums + 3) / 4 * 4;
+struct KernelSums : SumsOf<2 + D + D * (D + 1) / 2> {
+  using Sums = SumsOf<2 + D + D * (D + 1) / 2>;
+  template <class In>
+  struct Row : Sums::template Row<In> {
+    typename In::Number least = typename In::Number{} + sph::support_radius;
+    using Sums::template Row<In>::Row;
+  };
+};
+
+/// Computes the kernels of all pairs and the sums over them; stores the moment matrices in place of the corrections.
+/// by_density: fullness of open water is measured with density_weight.
+template <int D>
+void sum_pairs(const Summed<D>* points, bool by_density, Stencil<D>& s) {
   static const double scale = Kernel<D>::normalisation(1.0);
-  const double* const self = points[a].row();
-  const double length = self[D + 1];
-  Lanes sum[size] = {}, least = Lanes{} + sph::support_radius;
-  for (std::size_t m = s.offset[a]; m < s.offset[a + 1]; m += n_lanes) {
-    const Index* const index = &s.other[m];
-    Lanes point[D + 2], ba[D], r{}, real;
-    gather<0, D + 2>({points[index[0]].row(), points[index[1]].row(), points[index[2]].row(), points[index[3]].row()},
-                     point);
-    for (std::size_t l = 0; l < n_lanes; ++l) real[l] = index[l] == a ? 0.0 : scale;
-    for (std::size_t d = 0; d < D; ++d) {
-      ba[d] = point[d] - self[d];
-      r += ba[d] * ba[d];
-    }
-    sqrt_in_place(r);
-    const Lanes inverse = 2.0 / (length + point[D + 1]), q = r * inverse, square = inverse * inverse;
-    Lanes u = 1.0 - 0.5 * q;
-    min_in_place(least, real > 0.0 ? q : least);
-    max_in_place(u, Lanes{});
-    const Lanes cube = u * u * u * real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
-    const Lanes value = cube * u * (2.0 * q + 1.0);
-    Lanes weight;
-    density_weight(u, weight);
-    weight *= real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
-    Lanes factor = 5.0 * square * cube * point[D];
-    put(factor, &s.gradient_factor[m]);
-    take(&s.gradient_factor[m], factor);
-    std::size_t c = 0;
-    sum[c++] += point[D] * value;
-    sum[c++] += point[D] * weight;
-    for (std::size_t d = 0; d < D; ++d) sum[c++] += factor * ba[d];
-    for (std::size_t d = 0; d < D; ++d)
-      for (std::size_t e = 0; e <= d; ++e) sum[c++] += factor * ba[d] * ba[e];
-  }
-  double total[size] = {};
-  add_lanes<size>(sum, total);
-  const double* next = total;
-  s.closest[a] = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
-  static const double full = lattice_fullness<D>(),
-                      full_density = lattice_density<D>() * Kernel<D>::normalisation(points::smoothing_ratio);
-  const double own = self[D] * Kernel<D>::value(0.0, length), fullness = (*next++ + own) / full;
-  s.fullness[a] = by_density && s.open_water[a] != 0 ? (*next + own) / full_density : fullness;
-  ++next;
-  for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
-  for (int d = 0; d < D; ++d)
-    for (int e = 0; e <= d; ++e) s.correction[a](d, e) = s.correction[a](e, d) = *next++;
+  for_pairs<KernelSums<D>::template Row>(
+      s.rows(), PairInputs{points},
+      [&](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        Number point[D + 2], ba[D], r{}, real{};
+        gather<0, D + 2>(pair.rows(), point);
+        pair.apply([&](Index j, double) { return j == pair.i ? 0.0 : scale; }, real);
+        for (std::size_t d = 0; d < D; ++d) {
+          ba[d] = point[d] - self[d];
+          r += ba[d] * ba[d];
+        }
+        sqrt_in_place(r);
+        const Number inverse = 2.0 / (self[D + 1] + point[D + 1]), q = r * inverse, square = inverse * inverse;
+        Number u = 1.0 - 0.5 * q;
+        min_in_place(own.least, real > 0.0 ? q : own.least);
+        max_in_place(u, Number{});
+        const Number cube = u * u * u * real * square * (D == 2 ? Number{} + 1.0 : inverse);
+        const Number value = cube * u * (2.0 * q + 1.0);
+        Number weight;
+        density_weight(u, weight);
+        weight *= real * square * (D == 2 ? Number{} + 1.0 : inverse);
+        Number factor = 5.0 * square * cube * point[D];
+        put(factor, &s.gradient_factor[pair.m]);
+        take(&s.gradient_factor[pair.m], factor);
+        std::size_t c = 0;
+        own.sum[c++] += point[D] * value;
+        own.sum[c++] += point[D] * weight;
+        for (std::size_t d = 0; d < D; ++d) own.sum[c++] += factor * ba[d];
+        for (std::size_t d = 0; d < D; ++d)
+          for (std::size_t e = 0; e <= d; ++e) own.sum[c++] += factor * ba[d] * ba[e];
+      },
+      [&](std::size_t a, const auto& row) __attribute__((always_inline)) {
+        double total[KernelSums<D>::size] = {};
+        row.add_to(total);
+        const double* next = total;
+        s.closest[a] = least_of_lanes(row.least);
+        static const double full = lattice_fullness<D>(),
+                            full_density = lattice_density<D>() * Kernel<D>::normalisation(points::smoothing_ratio);
+        const double own = points[a].volume * Kernel<D>::value(0.0, points[a].length),
+                     fullness = (*next++ + own) / full;
+        s.fullness[a] = by_density && s.open_water[a] != 0 ? (*next + own) / full_density : fullness;
+        ++next;
+        for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
+        for (int d = 0; d < D; ++d)
+          for (int e = 0; e <= d; ++e) s.correction[a](d, e) = s.correction[a](e, d) = *next++;
+      });
 }
 
 }  // namespace
@@ -286,7 +298,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
-  double largest = parallel_max(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
+  // Of the points here: how far their images and pairs reach.
+  double largest = one_rank::max_over(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_real + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);
@@ -332,10 +345,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   mark_open_water(soilless, s);
   UnsetArray<Summed<D>> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
-  for_each_in_lanes(
-      n, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
-        sum_pairs<D>(points.data(), a, by_density, s);
-      });
+  sum_pairs<D>(points.data(), by_density, s);
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
   parallel_for(n, [&](std::size_t a) {

@@ -6,6 +6,8 @@
 #include "common/core/or_zero.hpp"
 #include "common/core/unset.hpp"
 #include "common/core/vector.hpp"
+#include "common/particles/domain.hpp"
+#include "common/particles/for_pairs.hpp"
 #include "common/particles/images.hpp"
 #include "common/particles/kernel.hpp"
 #include "common/particles/sight.hpp"
@@ -92,23 +94,23 @@ double lattice_amplification() {
 }
 
 /// -W'/r [1/m^(D+2)] of pairs at distance r, with the inverses of their smoothing lengths; zero beyond the support.
-template <int D>
-[[gnu::always_inline]] inline void pair_gradient_factor(const Lanes& r, const Lanes& inverse, Lanes& factor) {
+template <int D, class Number>
+[[gnu::always_inline]] inline void pair_gradient_factor(const Number& r, const Number& inverse, Number& factor) {
   static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
-  const Lanes square = inverse * inverse;
-  Lanes u = 1.0 - 0.5 * (r * inverse);
-  max_in_place(u, Lanes{});
-  factor = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
+  const Number square = inverse * inverse;
+  Number u = 1.0 - 0.5 * (r * inverse);
+  max_in_place(u, Number{});
+  factor = scale * (u * u * u) * (square * square) * (D == 2 ? Number{} + 1.0 : inverse);
 }
 
 /// W [1/m^D] of pairs at distance r, with the inverses of their smoothing lengths.
-template <int D>
-[[gnu::always_inline]] inline void pair_value(const Lanes& r, const Lanes& inverse, Lanes& value) {
+template <int D, class Number>
+[[gnu::always_inline]] inline void pair_value(const Number& r, const Number& inverse, Number& value) {
   static const double scale = Kernel<D>::normalisation(1.0);
-  const Lanes q = r * inverse;
-  Lanes u = 1.0 - 0.5 * q;
-  max_in_place(u, Lanes{});
-  value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Lanes{} + 1.0 : inverse);
+  const Number q = r * inverse;
+  Number u = 1.0 - 0.5 * q;
+  max_in_place(u, Number{});
+  value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Number{} + 1.0 : inverse);
 }
 
 /// Number of particles from which on loops over the pairs of each use several threads. A loop over that many takes one
@@ -151,6 +153,7 @@ struct Joint {
 /// the pair lists, [columns] of the faces.
 template <int D>
 struct Stencil {
+  Domain domain;                       ///< whose owned particles are the real ones
   std::size_t n_real = 0, n_base = 0;  ///< number of real particles; the same with buffers
   std::size_t worth_threads = worth_threads_in_pairs;
   VecArray<D> position;                   ///< [all]
@@ -272,6 +275,8 @@ struct Stencil {
   }
   [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_real && parent[j] < n_base; }
   [[nodiscard]] std::size_t size() const { return position.size(); }
+  /// The pair lists for for_pairs().
+  [[nodiscard]] FullRows rows() const { return {offset.data(), other.data(), n_real, worth_threads}; }
 };
 
 /// Inverse of a symmetric moment matrix, with its eigenvalues raised to at least `least`. unresolved: 1 - inverse times

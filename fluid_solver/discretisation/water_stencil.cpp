@@ -20,6 +20,7 @@ Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const Sta
   auto s = make_stencil<D>(
       p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free, tells_density(setup),
       setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight, setup.joints, soilless, walls.surfaces.get());
+  s.domain = setup.domain;
   fit_columns<D>(state.columns, free, s, walls.sight);
   limit_surface<D>(setup, state, s);
   return s;
@@ -35,14 +36,19 @@ void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, 
   auto& p = state.particles;
   // In soil at rest that is full of water, with water behind every face, no air can enter. A gap of one spacing at the
   // end of a face is then no surface. If it counted as one, it would draw in the water of several spacings.
-  const bool closed = !state.columns.empty() && p.size() > 0 && (state.full || state.time == 0.0) &&
-                      std::all_of(state.columns.begin(), state.columns.end(),
-                                  [&](const auto& c) { return is_quasi_static<D>(setup, c) && c.wet; }) &&
-                      parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+  const Domain& domain = setup.domain;
+  const bool closed = domain.any(!state.columns.empty()) && domain.any(p.size() > 0) &&
+                      (state.full || state.time == 0.0) &&
+                      domain.all_of(state.columns.size(),
+                                    [&](std::size_t i) {
+                                      const auto& c = state.columns[i];
+                                      return is_quasi_static<D>(setup, c) && c.wet;
+                                    }) &&
+                      domain.all_of(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
   const auto flags = find_surface<D>(s, p.in_seepage, rows, share, closed && state.full);
   s.forget_moments();
   p.surface = flags;
-  state.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
+  state.full = closed && domain.all_of(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                           \

@@ -73,9 +73,9 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   const auto precondition = [&](std::span<const double> r, std::span<double> z) {
     parallel_for(s.n_real, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
   };
-  const double size = norm(b);
+  const double size = s.domain.norm(b);
   if (size > 0.0)
-    conjugate_gradients(apply, precondition, std::move(b), potential, motion::repair_tolerance * size,
+    conjugate_gradients(s.domain, apply, precondition, std::move(b), potential, motion::repair_tolerance * size,
                         motion::most_repair_iterations);
   VecArray<D> displacement(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {

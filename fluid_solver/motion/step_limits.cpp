@@ -95,6 +95,8 @@ void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interv
       drains = std::max(drains,
                         n[a] * n[a] * view.modulus[a] / (view.drag[a] * setup.spacing * setup.spacing));  // c_v / dx^2
   }
+  stiffest = setup.domain.max(stiffest);
+  drains = setup.domain.max(drains);
   if (!setup.responds || stiffest <= 0.0) return;
   first_interval = steps::first_wave * setup.spacing / std::sqrt(stiffest / setup.density);
   state.controlled = std::max(first_interval, interval > 0.0 ? interval
@@ -106,9 +108,9 @@ template <int D>
 void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, double first_interval,
                       State<D>& state) {
   const auto& now = state.particles.pressure;
-  if (state.controlled <= 0.0 || now.empty()) return;
+  if (state.controlled <= 0.0 || setup.domain.all(now.empty())) return;
   const auto& x = state.particles.position;
-  double sum = 0.0, lower = now[0], upper = now[0], lightest = setup.weight.dot(x[0]), heaviest = lightest;
+  double sum = 0.0, lower = HUGE_VAL, upper = -lower, lightest = lower, heaviest = upper;
   for (std::size_t a = 0; a < now.size(); ++a) {
     lightest = std::min(lightest, setup.weight.dot(x[a]));
     heaviest = std::max(heaviest, setup.weight.dot(x[a]));
@@ -121,13 +123,19 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
       lower = std::min(lower, c.pressure);
       upper = std::max(upper, c.pressure);
     }
+  const Domain& domain = setup.domain;
+  lower = domain.min(lower);
+  upper = domain.max(upper);
+  lightest = domain.min(lightest);
+  heaviest = domain.max(heaviest);
   state.widest_range = std::max(state.widest_range, upper - lower);
   // Water at rest has no range of its own: rounding must not shorten its windows. No pressure is resolved more finely
   // than the weight of one spacing.
   const double range =
       std::max({upper - lower, steps::widest_share * state.widest_range,
                 steps::hydrostatic_share * (heaviest - lightest), setup.weight.norm() * setup.spacing});
-  state.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
+  const double mean = domain.sum(sum) / domain.sum(static_cast<double>(now.size()));
+  state.pressure_change = range > 0.0 ? std::sqrt(mean) / range : 0.0;
   const double target =
       state.pressure_change > 0.0 ? interval * steps::wanted_change / state.pressure_change : HUGE_VAL;
   const double least =
@@ -143,12 +151,13 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
   state.window_limits.clear();
   const auto& p = state.particles;
   if (setup.coupled || setup.scheme != FluidCase::Scheme::projection ||
-      !parallel_all(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
+      !setup.domain.all_of(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
   if (std::any_of(state.columns.begin(), state.columns.end(), open)) {
     const ColumnFinder<D> finder(state.columns);
-    const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
+    // Of this rank, as all limits.
+    const double fastest = one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
       const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
       if (i < 0) return 0.0;
       const auto& c = state.columns[static_cast<std::size_t>(i)];
@@ -158,11 +167,12 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
       state.window_limits.push_back({steps::wanted_exit / fastest,
                                      "an eighth of a spacing per window of water that leaves through a seepage face"});
   }
-  const double change = sum_over(
+  const double change = setup.domain.sum_over(
       p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
   if (change == 0.0) return;
-  const double whole = sum_over(p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].squaredNorm(); });
-  const double mass = sum_over(p.size(), [&](std::size_t a) { return p.mass[a]; });
+  const double whole =
+      setup.domain.sum_over(p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].squaredNorm(); });
+  const double mass = setup.domain.sum_over(p.size(), [&](std::size_t a) { return p.mass[a]; });
   const double altered = interval * std::abs(change) / std::sqrt(whole * mass) / setup.spacing;
   state.window_limits.push_back(
       {interval * std::max(0.5, std::sqrt(steps::wanted_slowing / altered)), "seepage that slows down"});
@@ -203,7 +213,7 @@ void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& stat
   }
   for (const auto& c : state.columns)
     if (c.wet) pressure = std::max(pressure, c.pressure + setup.weight.dot(c.foot - setup.origin));
-  pressure = std::max(pressure, setup.density * fastest * fastest);
+  pressure = setup.domain.max(std::max(pressure, setup.density * fastest * fastest));
   double sweep = HUGE_VAL, drag = HUGE_VAL, skeleton = HUGE_VAL;
   const bool implicit_drag = setup.scheme != FluidCase::Scheme::eisph_explicit_drag;
   for (std::size_t a = 0; a < p.size(); ++a) {
@@ -238,7 +248,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     return p.in_seepage[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > slow);
   };
   const auto fastest_of = [&](bool flowing) {
-    return parallel_max(p.size(), 0.0, [&](std::size_t a) {
+    // Of this rank, as all limits here; the least of all ranks counts.
+    return one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
       return flows(a) == flowing ? p.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
     });
   };
@@ -268,7 +279,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     }
   apply(central_interval(setup), "central force");
   if (free_water)
-    apply(viscous_interval(setup, parallel_max(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
+    // Of this rank, too.
+    apply(viscous_interval(setup, one_rank::max_over(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
           "viscosity");
   for (std::size_t f = 0; f < faces.boundaries.size(); ++f)
     if (!faces.is_opening(state, static_cast<int>(f))) {
@@ -313,6 +325,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
       if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
     }
   }
+  limit.first = setup.domain.min(limit.first);
   return limit;
 }
 

@@ -68,29 +68,29 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
     row[D + at_noise] = motion::noise_viscosity * setup.spacing * wave_speed;
     row[D + at_carried] = !own && damped[q] && state.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
   });
-  for_pairs_in_lanes<D, at_carried + 1, D>(
+  for_gradients<D, at_carried + 1, D>(
       s, points,
-      [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+      [&](const auto& pair, const auto& factor, const auto* w, const auto* point, auto* sum)
           __attribute__((always_inline)) {
+            using Number = NumberOf<decltype(pair)>;
+            const double* const self = pair.self + D;
             // w = factor ba: the speed of approach is the sum below over the length of w.
-            Lanes factor;
-            take(&s.gradient_factor[m], factor);
-            Lanes approach{}, size = Lanes{} + 1e-300;
+            Number approach{}, size = Number{} + 1e-300;
             for (std::size_t d = 0; d < D; ++d) {
               approach -= (point[d] - self[d]) * w[d];
               size += w[d] * w[d];
             }
             sqrt_in_place(size);
-            max_in_place(approach, Lanes{});
-            const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
-            const Lanes shear = 0.5 * (self[at_shear] + point[at_shear]) + impact,
-                        noise = 0.5 * (self[at_noise] + point[at_noise]);
+            max_in_place(approach, Number{});
+            const Number impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
+            const Number shear = 0.5 * (self[at_shear] + point[at_shear]) + impact,
+                         noise = 0.5 * (self[at_noise] + point[at_noise]);
             for (std::size_t d = 0; d < D; ++d) {
-              Lanes unexplained = factor * (point[d] - self[d]);
+              Number unexplained = factor * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
-              const Lanes part = shear * factor * (point[d] - self[d]) + noise * unexplained;
-              sums[d] += point[at_carried] == self[at_carried] ? part : Lanes{};
+              const Number part = shear * factor * (point[d] - self[d]) + noise * unexplained;
+              sum[d] += point[at_carried] == self[at_carried] ? part : Number{};
             }
           },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {

@@ -1,5 +1,6 @@
 #include "fluid_solver/motion/volume_source.hpp"
 
+#include "fluid_solver/discretisation/bodies.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/motion/packing.hpp"
 #include "fluid_solver/motion/step_limits.hpp"
@@ -213,10 +214,18 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
     share[a] = motion[a] * interval / repair_time<D>(setup, state.particles, a, view, interval);
     expansion[a] = packing_error<D>(setup, state.particles, s, a, s.fullness[a]);
   });
-  const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
-  const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
-  const double mean = all > 0.0 ? made / all : 0.0;
-  parallel_for(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
+  // Separate bodies of water exchange no volume: each keeps its own.
+  const auto body = bodies_of<D>(s);
+  ScalarArray all(p.size(), 0.0), made(p.size(), 0.0);  // of each body
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const auto b = static_cast<std::size_t>(body[a]);
+    all[b] += p.volume[a] * share[a];
+    made[b] += p.volume[a] * share[a] * expansion[a];
+  }
+  parallel_for(p.size(), [&](std::size_t a) {
+    const auto b = static_cast<std::size_t>(body[a]);
+    expansion[a] = share[a] * (expansion[a] - (all[b] > 0.0 ? made[b] / all[b] : 0.0));
+  });
   return expand<D>(s, expansion);
 }
 

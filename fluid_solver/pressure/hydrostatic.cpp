@@ -16,15 +16,17 @@ namespace poretwin::fluid {
 template <int D>
 void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>& view, State<D>& state) {
   auto& p = state.particles;
-  if (p.size() == 0) return;
+  if (!setup.domain.any(p.size() > 0)) return;
   auto s = water_stencil<D>(setup, walls, state);
   mark_surface<D>(setup, s, {}, 0.0, state);
   number_closed_bodies<D>(s, state);
-  Vec<D> low = p.position[0], high = low;
+  Vec<D> low = Vec<D>::Constant(HUGE_VAL), high = -low;
   for (const auto& x : p.position) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
+  for (double& x : low) x = setup.domain.min(x);
+  for (double& x : high) x = setup.domain.max(x);
   auto in = window_problem<D>(setup, state,
                               std::sqrt(2.0 * ((high - low).norm() + setup.spacing) / setup.gravity_or_standard));
   in.response = false;
@@ -36,7 +38,8 @@ void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
   if (setup.coupled) store_coupling_force<D>(setup, view, out.gradient, 0.0, p);
-  const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
+  // Of this rank, as all of a window's limits.
+  const double fastest = one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
     return is_drag_dominated<D>(setup, state.particles, view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a])
                                                                  : 0.0;
   });

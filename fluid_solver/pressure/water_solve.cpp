@@ -23,7 +23,7 @@ WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, do
   in.void_volume = state.particles.void_volume.values();
   in.closed_body = state.particles.closed_body.values();
   const auto& mask = state.particles.mask;
-  if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
+  if (setup.domain.all_of(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = pressure::free_water_tolerance;
   else
     in.tolerance = std::max(in.tolerance / setup.ground.contrast(), pressure::tightest_tolerance);
@@ -61,7 +61,7 @@ WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, co
       error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
       whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();
     }
-    if (error <= pressure::drag_tolerance * pressure::drag_tolerance * whole) break;
+    if (setup.domain.sum(error) <= pressure::drag_tolerance * pressure::drag_tolerance * setup.domain.sum(whole)) break;
     view.linearise(out.velocity, out.solid_velocity);
     ++state.counts.drag_rounds;
   }

@@ -58,13 +58,28 @@ Response eliminate_skeleton(double dt, double density, double n, double n_s, con
   return r;
 }
 
+/// What the skeleton's stiffness reads of a point: modulus and amplification of its parent, 0 where that does not
+/// respond; and the stiffness by which dry soil resists [N s/m].
+struct StiffPoint {
+  std::array<double, 3> x{};
+  [[nodiscard]] const double* row() const { return x.data(); }
+  /// What it keeps of a row: the sum of the weights, and their parts by own images with reversed velocity behind walls,
+  /// and by faces and dry soil.
+  template <class In>
+  struct Row {
+    typename In::Number sum{};
+    double turned = 0.0, held;
+    explicit Row(const double* self) : held(self[2]) {}
+  };
+};
+
 /// The operators of one window and their solution.
 template <int D>
 class WindowSolver {
  public:
   WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
                const WindowProblem<D>& problem)
-      : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real), q_{problem, soil} {
+      : s_(stencil), domain_(stencil.domain), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real), q_{problem, soil} {
     if (in_.response) {
       r_.resize(n_);
       for (std::size_t a = 0; a < n_; ++a) {
@@ -72,6 +87,7 @@ class WindowSolver {
                                    soil.density[a], soil.modulus[a]);
         any_response_ = any_response_ || r_[a].responds;
       }
+      any_response_ = domain_.any(any_response_);
     }
     sources_ = make_sources();  // before the matrix: their temporary arrays and the matrix together would need too much
                                 // memory
@@ -98,7 +114,7 @@ class WindowSolver {
   /// out: on input the initial guesses, on output the whole solution.
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
-    if (n_ == 0) return finish(out);
+    if (!domain_.any(n_ > 0)) return finish(out);
     const bool moves = any_response_ || soil_.velocity.is_allocated();
     if (!moves) out.solid_velocity = {};
     if (moves && !out.solid_velocity.is_allocated()) out.solid_velocity.allocate(n_);
@@ -115,7 +131,7 @@ class WindowSolver {
     if (!in_.void_volume.empty()) {
       std::vector<bool> cavitates(n_);
       for (std::size_t a = 0; a < n_; ++a) cavitates[a] = in_.void_volume[a] > 0.0 && !pinned(a);
-      if (cavitates != cavitating_) fix_cavitating(std::move(cavitates), out);
+      if (domain_.any(cavitates != cavitating_)) fix_cavitating(std::move(cavitates), out);
     }
     for (int round = 1;; ++round) {
       ScalarArray b(n_);
@@ -310,7 +326,7 @@ class WindowSolver {
       return out.pressure[a] < cavitation_pressure(a) + pressure::cavitation_tolerance * in_.cavitation && !pinned(a);
     };
     out.void_volume = {};
-    if (!any_cavitating_ && parallel_all(n_, [&](std::size_t a) { return !below(a); })) return false;
+    if (!any_cavitating_ && domain_.all_of(n_, [&](std::size_t a) { return !below(a); })) return false;
     out.void_volume.allocate(n_);
     std::vector<bool> cavitates(n_);
     for (std::size_t a = 0; a < n_; ++a) cavitates[a] = below(a);
@@ -323,7 +339,7 @@ class WindowSolver {
         out.void_volume.set(a, std::max(0.0, in_.interval * opening));
       }
     }
-    if (cavitates == cavitating_) return false;
+    if (domain_.all(cavitates == cavitating_)) return false;
     fix_cavitating(std::move(cavitates), out);
     return true;
   }
@@ -334,7 +350,7 @@ class WindowSolver {
       free_boundary_ = boundary_;
     }
     cavitating_ = std::move(cavitates);
-    any_cavitating_ = std::find(cavitating_.begin(), cavitating_.end(), true) != cavitating_.end();
+    any_cavitating_ = domain_.any(std::find(cavitating_.begin(), cavitating_.end(), true) != cavitating_.end());
     find_closed();
     fluid_.diagonal = free_diagonal_;
     boundary_ = free_boundary_;
@@ -497,8 +513,8 @@ class WindowSolver {
   /// Finds the bodies of water whose mean pressure nothing prescribes.
   void find_closed() {
     const auto body = [&](std::size_t a) { return in_.closed_body.empty() ? 1 : in_.closed_body[a]; };
-    const int most = in_.closed_body.empty() ? 1 : *std::ranges::max_element(in_.closed_body);
-    std::vector<std::vector<std::size_t>> bodies(static_cast<std::size_t>(most) + 1);
+    const double most = in_.closed_body.empty() ? 1.0 : *std::ranges::max_element(in_.closed_body);
+    std::vector<std::vector<std::size_t>> bodies(static_cast<std::size_t>(domain_.max(most)) + 1);
     std::vector<char> open(bodies.size(), 0);
     for (std::size_t a = 0; a < n_; ++a) {
       const auto b = static_cast<std::size_t>(body(a));
@@ -506,15 +522,18 @@ class WindowSolver {
       if (b > 0 && open[b] == 0) bodies[b].push_back(a);
     }
     closed_.clear();
-    for (std::size_t b = 1; b < bodies.size(); ++b)
-      if (open[b] == 0 && !bodies[b].empty()) closed_.push_back(std::move(bodies[b]));
-    all_closed_ = closed_.size() == 1 && closed_[0].size() == n_;
+    for (std::size_t b = 1; b < bodies.size(); ++b) {
+      const double count = domain_.sum(static_cast<double>(bodies[b].size()));
+      if (count > 0.0 && !domain_.any(open[b] != 0)) closed_.push_back({std::move(bodies[b]), count});
+    }
+    all_closed_ = closed_.size() == 1 && domain_.all(closed_[0].rows.size() == n_);
   }
 
   /// Subtracts from the values of each of these bodies their mean, since the matrix is singular there.
   void remove_means(std::span<double> x) const {
-    for (const auto& of : closed_) {
-      const double mean = sum_over(of.size(), [&](std::size_t i) { return x[of[i]]; }) / static_cast<double>(of.size());
+    for (const auto& body : closed_) {
+      const auto& of = body.rows;
+      const double mean = domain_.sum_over(of.size(), [&](std::size_t i) { return x[of[i]]; }) / body.count;
       parallel_for(of.size(), [&](std::size_t i) { x[of[i]] -= mean; });
     }
   }
@@ -525,15 +544,15 @@ class WindowSolver {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
       parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
-    const double rounding = 1e-12 * norm(b);
+    const double rounding = 1e-12 * domain_.norm(b);
     // The datum is subtracted, so that the tolerance refers to pressures that drive flow.
     double reference = 0.0;
     remove_means(b);
     if (!all_closed_) {
       ScalarArray row(n_);
       fluid_.apply(ScalarArray(n_, 1.0), std::span<double>(row));
-      const double num = sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
-      const double den = sum_over(n_, [&](std::size_t a) { return row[a]; });
+      const double num = domain_.sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
+      const double den = domain_.sum_over(n_, [&](std::size_t a) { return row[a]; });
       reference = den > 0.0 ? num / den : 0.0;
       parallel_for(n_, [&](std::size_t a) { b[a] -= reference * row[a]; });
     }
@@ -563,7 +582,7 @@ class WindowSolver {
         if (aggregates) aggregates->template correct<1>(r, z);
         remove_means(z);
       };
-      report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, pressure::patience);
+      report = conjugate_gradients(domain_, apply, by_diagonal, b, out.pressure, tolerance, pressure::patience);
       out.pressure_iterations += report.iterations;
       out.multigrid = !report.converged;
     }
@@ -573,7 +592,7 @@ class WindowSolver {
         multigrid.cycle(r, z);
         remove_means(z);
       };
-      report = conjugate_gradients(apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
+      report = conjugate_gradients(domain_, apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
       out.multigrid_cycles += report.iterations;
       out.multigrid = report.iterations > pressure::few_cycles;
     }
@@ -585,7 +604,8 @@ class WindowSolver {
   /// Aggregates for the pressure. Their number equals the number of particles in each: solving the coarse system then
   /// takes about as long as summing over them.
   Aggregates<D> pressure_aggregates() const {
-    const double whole = sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
+    // On each rank for itself: they only speed up the solve.
+    const double whole = one_rank::sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
     Aggregates<D> aggregates(std::span<const Vec<D>>(s_.position).first(n_),
                              spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
                              [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
@@ -605,7 +625,7 @@ class WindowSolver {
     parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
     fluid_.apply(std::span<const double>(known), std::span<double>(residual));
     parallel_for(n_, [&](std::size_t a) { residual[a] = is_known(a) ? 0.0 : b[a] - residual[a]; });
-    return norm(residual);
+    return domain_.norm(residual);
   }
 
   void prepare_response() {
@@ -623,11 +643,12 @@ class WindowSolver {
     build_vector_stiffness();
     // An error of the skeleton's velocity is negligible while its power is at most the squared tolerance times the
     // power of `dragged`: the change of velocity that drag alone would give a skeleton without stiffness in the window.
-    negligible_power_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
-                if (!responds(a)) return 0.0;
-                const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
-                return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
-              });
+    const double power = domain_.sum_over(n_, [&](std::size_t a) {
+      if (!responds(a)) return 0.0;
+      const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
+      return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
+    });
+    negligible_power_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * power;
     prepare_flow();
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
@@ -643,44 +664,42 @@ class WindowSolver {
     image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
     ScalarArray preconditioner(n_, 1.0);
-    // Data of a point: modulus and amplification of its parent; 0 where that does not respond.
-    std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
+    std::vector<StiffPoint> points(s_.size());
     for (std::size_t j = 0; j < s_.size(); ++j)
-      if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
+      if (const Index b = s_.parent[j]; b < n_ && responds(b))
+        points[j].x = {r_[b].M, s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
     const bool buffers = s_.n_base > n_;
-    for_each_in_lanes(
-        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+    for_pairs<StiffPoint::Row>(
+        s_.rows(), PairInputs{points.data()},
+        [&](const auto& pair, auto& own) __attribute__((always_inline)) {
+          const std::size_t a = pair.i;
+          if (!responds(a)) return;
+          NumberOf<decltype(pair)> M, amplification, w;
+          gather_one(pair.rows(), 0, M);
+          gather_one(pair.rows(), 1, amplification);
+          take(&s_.gradient_factor[pair.m], w);
+          w *= s_.volume[a] * dt * (pair.self[1] + amplification) * (2.0 * pair.self[0] * M / (pair.self[0] + M));
+          put(w, &image_weight_[pair.m]);
+          take(&image_weight_[pair.m], w);  // as it is stored: then the skeleton moves as a whole without force
+          own.sum += w;
+          pair.for_each([&](Index j, std::size_t k) {
+            const Index b = s_.parent[j];
+            if (b == a) own.turned += static_cast<double>(image_weight_[k]);
+            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+              own.held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k]) *
+                          s_.amplified(a, b) * s_.reflection(a, b);
+          });
+        },
+        [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
           if (!responds(a)) return;
           H_diagonal_[a] = s_.volume[a] / r_[a].ss;
-          double turned = 0.0,
-                 held = dry_skeleton_stiffness(a);  // by own images with reversed velocity behind walls; by faces and
-                                                    // by dry soil
-          Lanes sum{};
-          for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
-            const Index* const i = &s_.other[k];
-            const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
-                        amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
-            Lanes w;
-            take(&s_.gradient_factor[k], w);
-            w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
-            put(w, &image_weight_[k]);
-            take(&image_weight_[k], w);  // as it is stored: then the skeleton moves as a whole without force
-            sum += w;
-            for (std::size_t l = 0; l < n_lanes; ++l) {
-              const Index j = i[l], b = s_.parent[j];
-              if (b == a) turned += w[l];
-              if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
-                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k + l]) *
-                        s_.amplified(a, b) * s_.reflection(a, b);
-            }
-          }
-          const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-          H_diagonal_[a] += all + held;
-          preconditioner[a] = H_diagonal_[a] - turned;
+          H_diagonal_[a] += sum_of_lanes(own.sum) + own.held;
+          preconditioner[a] = H_diagonal_[a] - own.turned;
         });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
+    spacing = domain_.max(spacing);
     aggregates_.emplace(std::span<const Vec<D>>(s_.position).first(n_), pressure::aggregate_width * spacing,
                         [&](std::size_t a) { return responds(a); });
     aggregates_->factorise([&](std::size_t a, const auto& add) {
@@ -796,8 +815,8 @@ class WindowSolver {
         for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
       aggregates_->correct(r, z);
     };
-    return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), pressure::skeleton_tolerance * size,
-                           3000, negligible_power)
+    return reduce_residual(domain_, apply, precondition, std::move(residual), as_numbers(s),
+                           pressure::skeleton_tolerance * size, 3000, negligible_power)
         .iterations;
   }
 
@@ -840,14 +859,15 @@ class WindowSolver {
   void skeleton_velocity(std::span<const double> p, const ScalarArray& at_start, const ScalarArray& now,
                          WindowSolution<D>& out) const {
     ScalarArray residual = skeleton_drive(p);
-    const double rounding = 1e-9 * norm(residual);
+    const double rounding = 1e-9 * domain_.norm(residual);
     double change = 0.0;
     for (std::size_t i = 0; i < residual.size(); ++i) {
       change += (residual[i] - at_start[i]) * (residual[i] - at_start[i]);
       residual[i] -= now[i];
     }
-    out.skeleton_iterations +=
-        solve_H(std::move(residual), std::max(std::sqrt(change), rounding), negligible_power_, out.solid_velocity.values());
+    change = domain_.sum(change);
+    out.skeleton_iterations += solve_H(std::move(residual), std::max(std::sqrt(change), rounding), negligible_power_,
+                                       out.solid_velocity.values());
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
@@ -856,15 +876,15 @@ class WindowSolver {
     skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     remove_means(residual);
-    const double size = norm(residual);  // of the sum of the search directions
-    std::vector<VecArray<D>> answers;    // response of the skeleton to each search direction
+    const double size = domain_.norm(residual);  // of the sum of the search directions
+    std::vector<VecArray<D>> answers;            // response of the skeleton to each search direction
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true);
       ScalarArray drive(n_ * D, 0.0);
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
       answers.emplace_back(n_, Vec<D>::Zero());
-      const double whole = norm(drive);
+      const double whole = domain_.norm(drive);
       // However little power the skeleton's answer has, it is found: without it the pressure that closes the balance of
       // volume in tight soil would be out of proportion.
       out.skeleton_iterations += solve_H(std::move(drive), whole, 0.0, answers.back());
@@ -879,7 +899,7 @@ class WindowSolver {
     };
     ScalarArray dp(n_, 0.0);
     const double scale = pressure::response_tolerance * size;
-    const auto report = flexible_gmres(apply, precondition, residual, dp, scale, 12);
+    const auto report = flexible_gmres(domain_, apply, precondition, residual, dp, scale, 12);
     out.outer += report.iterations;
     out.converged = report.converged;
     for (std::size_t a = 0; a < n_; ++a) out.pressure[a] += dp[a];
@@ -922,8 +942,8 @@ class WindowSolver {
         y[n_ + a] = (o * u[a] + d0 * u[n_ + a]) / det;
       }
     };
-    const double whole = norm(b);
-    const auto report = reduce_residual(apply, precondition, std::move(b), x, tolerance * whole, 2000);
+    const double whole = domain_.norm(b);
+    const auto report = reduce_residual(domain_, apply, precondition, std::move(b), x, tolerance * whole, 2000);
     std::copy(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n_), z.begin());
     return report.iterations;
   }
@@ -958,6 +978,7 @@ class WindowSolver {
   }
 
   const Stencil<D>& s_;
+  const Domain& domain_;
   const SoilView<D>& soil_;
   std::span<const Surface> flags_;
   const WindowProblem<D>& in_;
@@ -965,7 +986,12 @@ class WindowSolver {
   Eliminations<D> q_;
   std::vector<Response> r_;  ///< empty: no skeleton responds
   std::vector<char> open_;   ///< [n] 1 where a surface or a face is within reach
-  std::vector<std::vector<std::size_t>> closed_;
+  /// A body of water whose mean pressure nothing prescribes: its particles here, and their number on all ranks.
+  struct ClosedBody {
+    std::vector<std::size_t> rows;
+    double count;
+  };
+  std::vector<ClosedBody> closed_;
   bool any_response_ = false, all_closed_ = false, any_cavitating_ = false;
   std::vector<char> beside_moving_;  ///< [n] 1: free water beside moving soil, or that soil; empty: nothing moves
   std::vector<bool> cavitating_;     ///< [n] fixed at the cavitation pressure

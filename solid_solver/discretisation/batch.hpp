@@ -3,8 +3,8 @@
 
 #include "common/core/error.hpp"
 #include "common/core/threads.hpp"
-#include "solid_solver/discretisation/pair_loops.hpp"
 #include "solid_solver/setup.hpp"
+#include "solid_solver/state.hpp"
 
 #include <fmt/format.h>
 
@@ -91,6 +91,12 @@ void follow_strains(const Setup<D>& setup, Batch& batch, Particles<D>& particles
   for (std::size_t k = 0; k < batch.count && size > 0; ++k)
     for (std::size_t s = 0; s < size; ++s)
       particles.state_of(batch.who[k])[s] = batch.fours[k / n_lanes].state[s].v[k % n_lanes];
+}
+
+/// The packed data of four particles.
+template <class Packed>
+[[gnu::always_inline]] inline FourRows<const double> rows_at(const Packed* all, const Index* index) {
+  return {all[index[0]].row(), all[index[1]].row(), all[index[2]].row(), all[index[3]].row()};
 }
 
 /// One value of each of four particles.

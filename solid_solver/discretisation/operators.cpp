@@ -1,7 +1,7 @@
-// The loops over all pairs, four at a time.
+// The loops over all pairs.
 #include "solid_solver/discretisation/operators.hpp"
 
-#include "solid_solver/discretisation/pair_loops.hpp"
+#include "common/particles/for_pairs.hpp"
 #include "solid_solver/numerics/points.hpp"
 
 namespace poretwin::solid {
@@ -14,9 +14,10 @@ template <int D>
 struct PairKernel {
   double scale, half_inverse;
   explicit PairKernel(double h) : scale(-5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h)), half_inverse(0.5 / h) {}
-  [[gnu::always_inline]] void at(const Lanes& distance, Lanes& kernel) const {
-    Lanes u = 1.0 - half_inverse * distance;
-    max_in_place(u, Lanes{});
+  template <class Number>
+  [[gnu::always_inline]] void at(const Number& distance, Number& kernel) const {
+    Number u = 1.0 - half_inverse * distance;
+    max_in_place(u, Number{});
     kernel = scale * u * u * u;
   }
 };
@@ -30,9 +31,15 @@ struct alignas(32) Soaked {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// Product M x of four matrices (by columns) with four vectors.
-template <int D>
-[[gnu::always_inline]] inline void times(const Lanes* matrix, const Lanes* x, Lanes* product) {
+/// What the kernels' loop keeps of a row: nothing.
+template <class>
+struct NoSums {
+  explicit NoSums(const double*) {}
+};
+
+/// Product M x of matrices (by columns) with vectors.
+template <int D, class Number>
+[[gnu::always_inline]] inline void times(const Number* matrix, const Number* x, Number* product) {
   for (int a = 0; a < D; ++a) {
     product[a] = matrix[a] * x[0];
     for (int b = 1; b < D; ++b) product[a] += matrix[a + D * b] * x[b];
@@ -45,65 +52,51 @@ template <int D>
 void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, Size first, Kernels& kernel) {
   const PairKernel<D> derivative(h);
   kernel.resize(pairs.index.size());
-  const PairView list(pairs);
-  const Node<D>* const all = nodes.data();
   float* const kernels = kernel.data();
-  for_all_rows_in_lanes(
-      pairs, first, pairs.size(), [=](Size i) __attribute__((always_inline)) {
-        const double* const self = all[i].row();
-        for_four_pairs(
-            list, i, [&](Size m, bool) __attribute__((always_inline)) {
-              Lanes x[D], distance{}, k;
-              gather<0, D>(rows_at(all, &list.index[m]), x);
-              for (int d = 0; d < D; ++d) distance += (self[d] - x[d]) * (self[d] - x[d]);
-              sqrt_in_place(distance);
-              derivative.at(distance, k);
-              put(k, &kernels[m]);
-            });
-      });
+  for_pairs<NoSums>(
+      pairs.all_rows(first, pairs.size()), PairInputs{nodes.data()},
+      [=](const auto& pair, auto&) __attribute__((always_inline)) {
+        NumberOf<decltype(pair)> x[D], distance{}, k;
+        gather<0, D>(pair.rows(), x);
+        for (int d = 0; d < D; ++d) distance += (pair.self[d] - x[d]) * (pair.self[d] - x[d]);
+        sqrt_in_place(distance);
+        derivative.at(distance, k);
+        put(k, &kernels[pair.m]);
+      },
+      [](Size, const auto&) __attribute__((always_inline)){});
 }
 
 template <int D>
 void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<Node<D>>& nodes) {
   constexpr Size n_sums = Node<D>::n_sums;
   for_rows(pairs, 0, pairs.size(), [&](Size i) { std::fill_n(nodes[i].sums(), n_sums, 0.0); });
-  const PairView list(pairs);
   Node<D>* const all = nodes.data();
   const float* const kernels = kernel.data();
-  fetching_if_many(nodes.size(), [&](auto fetches) {
-    for_rows_in_lanes(
-        pairs, 0, pairs.size(), [=](Size i) __attribute__((always_inline)) {
-          const double* const self = all[i].row();
-          const double volume = all[i].volume;
-          Lanes own[n_sums] = {};
-          for_four_pairs(
-              list, i, [&](Size m, bool both) __attribute__((always_inline)) {
-                if constexpr (fetches) fetch_ahead<0, 2>(list, all, m);
-                const auto rows = rows_at(all, &list.index[m]);
-                const Lanes volumes = {rows[0][Node<D>::at_volume], rows[1][Node<D>::at_volume],
-                                       rows[2][Node<D>::at_volume], rows[3][Node<D>::at_volume]};
-                Lanes other[2 * D], r[D], w[D], k, contribution[n_sums] = {};
-                gather<0, 2 * D>(rows, other);
-                take(&kernels[m], k);
-                for (Size d = 0; d < D; ++d) {
-                  r[d] = self[d] - other[d];
-                  w[d] = k * r[d];
-                }
-                Size c = 0;
-                for (Size b = 0; b < D; ++b)
-                  for (Size a = 0; a < D; ++a) contribution[c++] = (other[D + a] - self[D + a]) * w[b];
-                for (Size b = 0; b < D; ++b)
-                  for (Size a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
-                for (Size n = 0; n < c; ++n) own[n] += volumes * contribution[n];
-                if (!both) return;
-                for (Size n = 0; n < c; ++n) contribution[n] *= volume;
-                const Index* const j = &list.index[m];
-                scatter_add<n_sums>(contribution,
-                                    {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
-              });
-          add_lanes<n_sums>(own, all[i].sums());
-        });
-  });
+  for_pairs<SumsOf<n_sums>::template Row>(
+      pairs.rows(0, pairs.size()), PairInputs<Node<D>, 0, 2>{all, nodes.size()},
+      [=](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        const auto rows = pair.rows();
+        Number other[2 * D], r[D], w[D], k, volumes, contribution[n_sums] = {};
+        gather_one(rows, Node<D>::at_volume, volumes);
+        gather<0, 2 * D>(rows, other);
+        take(&kernels[pair.m], k);
+        for (Size d = 0; d < D; ++d) {
+          r[d] = self[d] - other[d];
+          w[d] = k * r[d];
+        }
+        Size c = 0;
+        for (Size b = 0; b < D; ++b)
+          for (Size a = 0; a < D; ++a) contribution[c++] = (other[D + a] - self[D + a]) * w[b];
+        for (Size b = 0; b < D; ++b)
+          for (Size a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+        for (Size n = 0; n < c; ++n) own.sum[n] += volumes * contribution[n];
+        if (!pair.both) return;
+        for (Size n = 0; n < c; ++n) contribution[n] *= self[Node<D>::at_volume];
+        pair.template give<n_sums>(contribution, [=](Index j) { return all[j].sums(); });
+      },
+      [=](Size i, const auto& own) __attribute__((always_inline)) { own.add_to(all[i].sums()); });
   for_rows(pairs, 0, pairs.size(), [&](Size i) {
     Node<D>& node = nodes[i];
     const Mat<D> moment = node.correction();
@@ -131,34 +124,30 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
   constexpr Size n_moments = D * (D + 1) / 2;
   using Own = Sums<D + n_moments>;
   std::vector<Own> sums(n);
-  const PairView list(pairs);
-  const Soaked<D>* const all = soaked.data();
   const float* const kernels = state.kernel.data();
   Own* const sum_of = sums.data();
-  for_all_rows_in_lanes(
-      pairs, 0, n, [=](Size i) __attribute__((always_inline)) {
-        const Soaked<D>& self = all[i];
-        Lanes own[Own::size] = {};
-        for_four_pairs(
-            list, i, [&](Size m, bool both) __attribute__((always_inline)) {
-              Lanes other[D + 2], r[D], w[D], k, contribution[Own::size] = {};
-              gather<0, D + 2>(rows_at(all, &list.index[m]), other);
-              take(&kernels[m], k);
-              for (Size d = 0; d < D; ++d) {
-                r[d] = self.position[static_cast<Eigen::Index>(d)] - other[d];
-                w[d] = k * r[d];
-              }
-              Size c = 0;
-              for (Size d = 0; d < D; ++d) contribution[c++] = (other[D + 1] - self.pressure) * w[d];
-              for (Size b = 0; b < D; ++b)
-                for (Size a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
-              for (Size s = 0; s < c; ++s) own[s] += other[D] * contribution[s];
-              if (!both) return;
-              for (Size s = 0; s < c; ++s) contribution[s] *= self.volume;
-              scatter_add<Own::size>(contribution, sums_at(sum_of, &list.index[m]));
-            });
-        add_lanes<Own::size>(own, sum_of[i].x.data());
-      });
+  for_pairs<SumsOf<D + n_moments>::template Row>(
+      pairs.all_rows(0, n), PairInputs{soaked.data()},
+      [=](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        Number other[D + 2], r[D], w[D], k, contribution[Own::size] = {};
+        gather<0, D + 2>(pair.rows(), other);
+        take(&kernels[pair.m], k);
+        for (Size d = 0; d < D; ++d) {
+          r[d] = self[d] - other[d];
+          w[d] = k * r[d];
+        }
+        Size c = 0;
+        for (Size d = 0; d < D; ++d) contribution[c++] = (other[D + 1] - self[D + 1]) * w[d];
+        for (Size b = 0; b < D; ++b)
+          for (Size a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+        for (Size s = 0; s < c; ++s) own.sum[s] += other[D] * contribution[s];
+        if (!pair.both) return;
+        for (Size s = 0; s < c; ++s) contribution[s] *= self[D];
+        pair.template give<Own::size>(contribution, [=](Index j) { return sum_of[j].x.data(); });
+      },
+      [=](Size i, const auto& own) __attribute__((always_inline)) { own.add_to(sum_of[i].x.data()); });
   VecArray<D> gradient(n);
   parallel_for(n, [&](Size i) {
     const double* const sum = sums[i].x.data();
@@ -183,116 +172,105 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
   const double step = stabilisers.step, clip = points::viscosity_softening * h * h;
   kernel.resize(pairs.index.size());
   for_rows(pairs, 0, pairs.size(), [&](Size i) { force[i] = {}; });
-  const PairView list(pairs);
-  const Node<D>* const all = nodes.data();
   const Vec<D>* const displaced = displacement.data();
   const ImageRule<D>* const images = rules.data();
   const Size n_real = displacement.size();
   float* const kernels = kernel.data();
   Force<D>* const forces = force.data();
-  fetching_if_many(nodes.size(), [&](auto fetches) {
-    for_rows_in_lanes(
-        pairs, 0, n_free, [=](Size i) __attribute__((always_inline)) {
-          const auto shown = [&](Index j) __attribute__((always_inline)) {
-            return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data();
-          };
-          const double* const self = all[i].row();
-          const double volume = all[i].volume, own_level = all[i].hourglass_level;
-          Lanes own[Own::size] = {};
-          for_four_pairs(
-              list, i, [&](Size m, bool both) __attribute__((always_inline)) {
-                if constexpr (fetches) fetch_ahead<0, 3>(list, all, m);
-                const auto rows = rows_at(all, &list.index[m]);
-                Lanes head[n_head], other[D * D], r[D], u[D], kr[D];
-                Lanes contribution[Own::size] = {};  // the force with stiffness, then the viscous forces
-                gather<0, n_head>(rows, head);
-                Lanes squared{}, approach{}, k;
-                for (Size d = 0; d < D; ++d) {
-                  r[d] = self[d] - head[d];
-                  u[d] = self[D + d] - head[D + d];
-                  squared += r[d] * r[d];
-                  approach -= r[d] * u[d];
-                }
-                max_in_place(approach, Lanes{});
-                Lanes distance = squared;
-                sqrt_in_place(distance);
-                derivative.at(distance, k);
-                put(k, &kernels[m]);
-                take(&kernels[m], k);
-                for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
-                gather<N::at_flux, D * D>(rows, other);
-                for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
-                times<D>(other, kr, contribution);
-                const Lanes share = k * (self[N::at_density] + head[N::at_density]);
-                const Lanes closing = approach / (squared + clip);  // 1/s
-                const Lanes viscous = viscosity + quadratic * closing;
-                Lanes resist = share * closing;
-                Lanes rubbing =
-                    head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
-                const LaneMask rubs = rubbing > 0.0;
-                if (any(rubs)) {
-                  // Implicit in the velocities of the pair: an explicit force would make grains rebound that are close
-                  // or have swollen.
-                  const Lanes stop = step * collision * share *
-                                     (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
-                  resist *= rubs ? collision / (1.0 - stop) : viscous;
-                  // Coulomb's friction of the collision.
-                  const LaneMask collides = rubs & (approach > 0.0);
-                  const Lanes rate = approach / (collides ? squared : Lanes{} + 1.0);
-                  Lanes along[D], slip{};
-                  for (Size d = 0; d < D; ++d) {
-                    along[d] = u[d] + rate * r[d];
-                    slip += along[d] * along[d];
-                  }
-                  sqrt_in_place(slip);
-                  Lanes friction = rubbing * resist * distance / (slip + rate * distance);
-                  friction = collides ? friction : Lanes{};
-                  for (Size d = 0; d < D; ++d) contribution[D + d] = friction * along[d] - resist * r[d];
-                } else {
-                  resist *= viscous;
-                  for (Size d = 0; d < D; ++d) contribution[D + d] = -resist * r[d];
-                }
-                const Lanes level =
-                    head[N::at_hourglass_level] < own_level ? head[N::at_hourglass_level] : Lanes{} + own_level;
-                if (own_level > N::flows) {
-                  Lanes turned[D];
-                  gather<N::at_gradient, D * D>(rows, other);
-                  for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
-                  times<D>(other, r, turned);
-                  const Lanes weight = level > N::flows ? control * share : Lanes{};
-                  for (Size d = 0; d < D; ++d) contribution[D + d] += weight * (2.0 * u[d] - turned[d]);
-                }
-                if (own_level > N::yielded) {
-                  Lanes linear[D];
-                  gather<N::at_deformation, D * D>(rows, other);
-                  const Index* const j = &list.index[m];
-                  const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
-                  for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
-                  times<D>(other, r, linear);
-                  Lanes weight = stiffness * k, left[D], size{};  // part of the displacement that is not linear
-                  for (Size d = 0; d < D; ++d) {
-                    const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
-                    left[d] = displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d];
-                    size += left[d] * left[d];
-                  }
-                  if (any(level < N::elastic)) {
-                    sqrt_in_place(size);
-                    const Lanes most = (level - N::yielded) * distance;
-                    weight *= size > most ? most / size : Lanes{} + 1.0;
-                    weight = level > N::yielded ? weight : Lanes{};
-                  }
-                  for (Size d = 0; d < D; ++d) contribution[d] += weight * left[d];
-                }
-                for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * contribution[n];
-                if (!both) return;
-                for (Size n = 0; n < 2 * D; ++n) contribution[n] *= -volume;
-                const Index* const j = &list.index[m];
-                scatter_add<Own::size>(contribution, {forces[j[0]].sum.x.data(), forces[j[1]].sum.x.data(),
-                                                      forces[j[2]].sum.x.data(), forces[j[3]].sum.x.data()});
-              });
-          add_lanes<Own::size>(own, forces[i].sum.x.data());
-        });
-  });
+  for_pairs<SumsOf<2 * D>::template Row>(
+      pairs.rows(0, n_free), PairInputs<N, 0, 3>{nodes.data(), nodes.size()},
+      [=](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        const double volume = self[N::at_volume], own_level = self[N::at_hourglass_level];
+        const auto rows = pair.rows();
+        Number head[n_head], other[D * D], r[D], u[D], kr[D];
+        Number contribution[Own::size] = {};  // the force with stiffness, then the viscous forces
+        gather<0, n_head>(rows, head);
+        Number squared{}, approach{}, k;
+        for (Size d = 0; d < D; ++d) {
+          r[d] = self[d] - head[d];
+          u[d] = self[D + d] - head[D + d];
+          squared += r[d] * r[d];
+          approach -= r[d] * u[d];
+        }
+        max_in_place(approach, Number{});
+        Number distance = squared;
+        sqrt_in_place(distance);
+        derivative.at(distance, k);
+        put(k, &kernels[pair.m]);
+        take(&kernels[pair.m], k);
+        for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
+        gather<N::at_flux, D * D>(rows, other);
+        for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
+        times<D>(other, kr, contribution);
+        const Number share = k * (self[N::at_density] + head[N::at_density]);
+        const Number closing = approach / (squared + clip);  // 1/s
+        const Number viscous = viscosity + quadratic * closing;
+        Number resist = share * closing;
+        Number rubbing =
+            head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Number{} + self[N::at_rubbing];
+        const MaskOf<decltype(pair)> rubs = rubbing > 0.0;
+        if (any(rubs)) {
+          // Implicit in the velocities of the pair: an explicit force would make grains rebound that are close
+          // or have swollen.
+          const Number stop =
+              step * collision * share * (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
+          resist *= rubs ? collision / (1.0 - stop) : viscous;
+          // Coulomb's friction of the collision.
+          const MaskOf<decltype(pair)> collides = rubs & (approach > 0.0);
+          const Number rate = approach / (collides ? squared : Number{} + 1.0);
+          Number along[D], slip{};
+          for (Size d = 0; d < D; ++d) {
+            along[d] = u[d] + rate * r[d];
+            slip += along[d] * along[d];
+          }
+          sqrt_in_place(slip);
+          Number friction = rubbing * resist * distance / (slip + rate * distance);
+          friction = collides ? friction : Number{};
+          for (Size d = 0; d < D; ++d) contribution[D + d] = friction * along[d] - resist * r[d];
+        } else {
+          resist *= viscous;
+          for (Size d = 0; d < D; ++d) contribution[D + d] = -resist * r[d];
+        }
+        const Number level =
+            head[N::at_hourglass_level] < own_level ? head[N::at_hourglass_level] : Number{} + own_level;
+        if (own_level > N::flows) {
+          Number turned[D];
+          gather<N::at_gradient, D * D>(rows, other);
+          for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
+          times<D>(other, r, turned);
+          const Number weight = level > N::flows ? control * share : Number{};
+          for (Size d = 0; d < D; ++d) contribution[D + d] += weight * (2.0 * u[d] - turned[d]);
+        }
+        if (own_level > N::yielded) {
+          Number linear[D];
+          gather<N::at_deformation, D * D>(rows, other);
+          const auto theirs = pair.rows_of(
+              [=](Index j) { return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data(); });
+          for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
+          times<D>(other, r, linear);
+          Number weight = stiffness * k, left[D], size{};  // part of the displacement that is not linear
+          for (Size d = 0; d < D; ++d) {
+            Number shift;
+            gather_one(theirs, d, shift);
+            left[d] = displaced[pair.i][static_cast<int>(d)] - shift - 0.5 * linear[d];
+            size += left[d] * left[d];
+          }
+          if (any(level < N::elastic)) {
+            sqrt_in_place(size);
+            const Number most = (level - N::yielded) * distance;
+            weight *= size > most ? most / size : Number{} + 1.0;
+            weight = level > N::yielded ? weight : Number{};
+          }
+          for (Size d = 0; d < D; ++d) contribution[d] += weight * left[d];
+        }
+        for (Size n = 0; n < 2 * D; ++n) own.sum[n] += head[N::at_volume] * contribution[n];
+        if (!pair.both) return;
+        for (Size n = 0; n < 2 * D; ++n) contribution[n] *= -volume;
+        pair.template give<Own::size>(contribution, [=](Index j) { return forces[j].sum.x.data(); });
+      },
+      [=](Size i, const auto& own) __attribute__((always_inline)) { own.add_to(forces[i].sum.x.data()); });
   for_rows(pairs, n_free, pairs.size(), [&](Size i) { force[i] = {}; });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/core/threads.hpp"
+#include "common/particles/for_pairs.hpp"
 #include "common/particles/neighbours.hpp"
 
 namespace poretwin::solid {
@@ -22,6 +23,15 @@ struct Pairs {
   [[nodiscard]] bool skips(std::size_t i) const { return !skipped.empty() && skipped[i] != 0; }
   [[nodiscard]] std::size_t size() const { return alone.size(); }
   [[nodiscard]] std::size_t n_parts() const { return part.size() - 1; }
+  /// The rows from `first` to `last` - 1 for for_pairs(), all or those that are not skipped.
+  [[nodiscard]] HalfRows all_rows(std::size_t first, std::size_t last) const {
+    return {offset.data(), alone.data(), index.data(), part, index.size(), first, last, nullptr};
+  }
+  [[nodiscard]] HalfRows rows(std::size_t first, std::size_t last) const {
+    HalfRows wanted = all_rows(first, last);
+    if (!skipped.empty()) wanted.skipped = skipped.data();
+    return wanted;
+  }
 };
 
 /// Which particles have images in their rows, in the order of the images: of image k the views view[offset[k]] ..

@@ -69,42 +69,34 @@ void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
   constexpr std::size_t n_stress = n_components<D>;
   const std::size_t n = state.particles.size();
   const Pairs& pairs = state.near.pairs;
-  const PairView list(pairs);
-  const G* const grains = scratch.grains.data();
   const float* const kernels = state.kernel.data();
   Own* const sums = scratch.template zero_sums<n_slopes>(n);
-  for_rows_in_lanes(
-      pairs, 0, n, [=](std::size_t i) __attribute__((always_inline)) {
-        const double* const self = grains[i].row();
-        const double shown = grains[i].shown;
-        Lanes own[Own::size] = {};
-        for_four_pairs(
-            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              const Index* const index = &list.index[m];
-              const auto rows = rows_at(grains, index);
-              Lanes head[G::at_stress], stress[n_stress], w[D], r[D], contribution[Own::size] = {};
-              gather<0, G::at_stress>(rows, head);
-              if (!of_all && self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
-              gather<G::at_stress, n_stress>(rows, stress);
-              Lanes k;
-              take(&kernels[m], k);
-              for (std::size_t d = 0; d < D; ++d) {
-                r[d] = self[d] - head[d];
-                w[d] = k * r[d];
-              }
-              std::size_t c = 0;
-              for (std::size_t d = 0; d < D; ++d)
-                for (std::size_t a = 0; a < n_stress; ++a)
-                  contribution[c++] = (stress[a] - self[G::at_stress + a]) * w[d];
-              for (std::size_t b = 0; b < D; ++b)
-                for (std::size_t a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
-              for (std::size_t q = 0; q < c; ++q) own[q] += head[G::at_shown] * contribution[q];
-              if (!both) return;
-              for (std::size_t q = 0; q < c; ++q) contribution[q] *= shown;
-              scatter_add<Own::size>(contribution, sums_at(sums, index));
-            });
-        add_lanes<Own::size>(own, sums[i].x.data());
-      });
+  for_pairs<SumsOf<n_slopes>::template Row>(
+      pairs.rows(0, n), PairInputs{static_cast<const G*>(scratch.grains.data())},
+      [=](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        const auto rows = pair.rows();
+        Number head[G::at_stress], stress[n_stress], w[D], r[D], k, contribution[Own::size] = {};
+        gather<0, G::at_stress>(rows, head);
+        if (!of_all && self[G::at_flows] == 0.0 && !(pair.both && any(head[G::at_flows] > 0.0))) return;
+        gather<G::at_stress, n_stress>(rows, stress);
+        take(&kernels[pair.m], k);
+        for (std::size_t d = 0; d < D; ++d) {
+          r[d] = self[d] - head[d];
+          w[d] = k * r[d];
+        }
+        std::size_t c = 0;
+        for (std::size_t d = 0; d < D; ++d)
+          for (std::size_t a = 0; a < n_stress; ++a) contribution[c++] = (stress[a] - self[G::at_stress + a]) * w[d];
+        for (std::size_t b = 0; b < D; ++b)
+          for (std::size_t a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+        for (std::size_t q = 0; q < c; ++q) own.sum[q] += head[G::at_shown] * contribution[q];
+        if (!pair.both) return;
+        for (std::size_t q = 0; q < c; ++q) contribution[q] *= self[G::at_shown];
+        pair.template give<Own::size>(contribution, [=](Index j) { return sums[j].x.data(); });
+      },
+      [=](std::size_t i, const auto& own) __attribute__((always_inline)) { own.add_to(sums[i].x.data()); });
   for_rows(pairs, 0, n, [&](std::size_t i) {
     if (!of_all && scratch.flows[i] == 0.0) return;
     const double* const sum = sums[i].x.data();
@@ -131,81 +123,78 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   const std::size_t n = state.particles.size();
   const Pairs& pairs = state.near.pairs;
   const double centre = sph::WendlandC2<D>::value(0.0, h), half_inverse = 0.5 / h;
-  const PairView list(pairs);
-  const G* const grains = scratch.grains.data();
   const float* const kernels = state.kernel.data();
   const double* const volumes = state.particles.volume.data();
   Own* const sums = scratch.template zero_sums<A::size>(n);
-  for_rows_in_lanes(
-      pairs, 0, n, [=](std::size_t i) __attribute__((always_inline)) {
-        const double* const self = grains[i].row();
-        Lanes own[Own::size] = {};
-        for_four_pairs(
-            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              const Index* const index = &list.index[m];
-              const auto rows = rows_at(grains, index);
-              Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], contribution[Own::size] = {},
-                                                                                    theirs[Own::size] = {};
-              gather<0, G::at_stress>(rows, head);
-              const double mine = self[G::at_flows];
-              const bool flows = mine > 0.0;
-              const Lanes yours = head[G::at_flows];
-              if (mine == 0.0 && !any(yours < 0.0) && !(both && any(yours > 0.0))) return;
-              // Flowing particles are averaged with flowing ones, others with others. A pair of the others may be
-              // changed by the larger of its two bounds.
-              Lanes together = flows ? yours : -yours;
-              if (!flows) max_in_place(together, Lanes{} - mine);
-              const LaneMask alike = flows ? yours > 0.0 : yours <= 0.0;
-              together = alike ? together : Lanes{};
-              Lanes k;
-              take(&kernels[m], k);
-              Lanes distance{};
-              for (std::size_t d = 0; d < D; ++d) {
-                r[d] = self[d] - head[d];
-                distance += r[d] * r[d];
-              }
-              sqrt_in_place(distance);
-              Lanes u = 1.0 - half_inverse * distance;
-              max_in_place(u, Lanes{});
-              const Lanes value = centre * (u * u) * (u * u) * (5.0 - 4.0 * u);
-              contribution[A::at_cover] = head[G::at_volume] * value;
-              theirs[A::at_cover] = self[G::at_volume] * value;
-              for (std::size_t d = 0; d < D; ++d) {
-                contribution[A::at_crowding + d] = head[G::at_mass] * k * r[d];
-                theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
-              }
-              if (any(together > 0.0)) {
-                gather<G::at_stress, n_stress>(rows, other);
-                gather<G::at_slope, n_stress * D>(rows, slope);
-                Lanes unexplained[n_stress], size{};
-                for (std::size_t a = 0; a < n_stress; ++a) {
-                  unexplained[a] = other[a] - self[G::at_stress + a];
-                  for (std::size_t d = 0; d < D; ++d)
-                    unexplained[a] += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
-                  size += unexplained[a] * unexplained[a];
-                }
-                if (!flows) {
-                  sqrt_in_place(size);
-                  together = size > together ? together / size : together > 0.0 ? Lanes{} + 1.0 : Lanes{};
-                }
-                const Lanes weight = -k * together, they = weight * head[G::at_shown], me = weight * self[G::at_shown];
-                for (std::size_t a = 0; a < n_stress; ++a) {
-                  contribution[a] = they * unexplained[a];
-                  theirs[a] = -me * unexplained[a];
-                }
-                contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
-                theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
-              }
-              // Pairs of a particle with itself only fill up the list.
-              const Lanes real = distance > 0.0 ? Lanes{} + 1.0 : Lanes{};
-              contribution[A::at_cover] *= real;
-              for (std::size_t q = 0; q < A::size; ++q) own[q] += contribution[q];
-              if (!both) return;
-              theirs[A::at_cover] *= real;
-              scatter_add<Own::size>(theirs, sums_at(sums, index));
-            });
-        own[A::at_cover][0] += volumes[i] * centre;
-        add_lanes<Own::size>(own, sums[i].x.data());
+  for_pairs<SumsOf<A::size>::template Row>(
+      pairs.rows(0, n), PairInputs{static_cast<const G*>(scratch.grains.data())},
+      [=](const auto& pair, auto& own) __attribute__((always_inline)) {
+        using Number = NumberOf<decltype(pair)>;
+        const double* const self = pair.self;
+        const auto rows = pair.rows();
+        Number head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], contribution[Own::size] = {},
+                                                                               theirs[Own::size] = {};
+        gather<0, G::at_stress>(rows, head);
+        const double mine = self[G::at_flows];
+        const bool flows = mine > 0.0;
+        const Number yours = head[G::at_flows];
+        if (mine == 0.0 && !any(yours < 0.0) && !(pair.both && any(yours > 0.0))) return;
+        // Flowing particles are averaged with flowing ones, others with others. A pair of the others may be
+        // changed by the larger of its two bounds.
+        Number together = flows ? yours : -yours;
+        if (!flows) max_in_place(together, Number{} - mine);
+        const MaskOf<decltype(pair)> alike = flows ? yours > 0.0 : yours <= 0.0;
+        together = alike ? together : Number{};
+        Number k;
+        take(&kernels[pair.m], k);
+        Number distance{};
+        for (std::size_t d = 0; d < D; ++d) {
+          r[d] = self[d] - head[d];
+          distance += r[d] * r[d];
+        }
+        sqrt_in_place(distance);
+        Number u = 1.0 - half_inverse * distance;
+        max_in_place(u, Number{});
+        const Number value = centre * (u * u) * (u * u) * (5.0 - 4.0 * u);
+        contribution[A::at_cover] = head[G::at_volume] * value;
+        theirs[A::at_cover] = self[G::at_volume] * value;
+        for (std::size_t d = 0; d < D; ++d) {
+          contribution[A::at_crowding + d] = head[G::at_mass] * k * r[d];
+          theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
+        }
+        if (any(together > 0.0)) {
+          gather<G::at_stress, n_stress>(rows, other);
+          gather<G::at_slope, n_stress * D>(rows, slope);
+          Number unexplained[n_stress], size{};
+          for (std::size_t a = 0; a < n_stress; ++a) {
+            unexplained[a] = other[a] - self[G::at_stress + a];
+            for (std::size_t d = 0; d < D; ++d)
+              unexplained[a] += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
+            size += unexplained[a] * unexplained[a];
+          }
+          if (!flows) {
+            sqrt_in_place(size);
+            together = size > together ? together / size : together > 0.0 ? Number{} + 1.0 : Number{};
+          }
+          const Number weight = -k * together, they = weight * head[G::at_shown], me = weight * self[G::at_shown];
+          for (std::size_t a = 0; a < n_stress; ++a) {
+            contribution[a] = they * unexplained[a];
+            theirs[a] = -me * unexplained[a];
+          }
+          contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
+          theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
+        }
+        // Pairs of a particle with itself only fill up the list.
+        const Number real = distance > 0.0 ? Number{} + 1.0 : Number{};
+        contribution[A::at_cover] *= real;
+        for (std::size_t q = 0; q < A::size; ++q) own.sum[q] += contribution[q];
+        if (!pair.both) return;
+        theirs[A::at_cover] *= real;
+        pair.template give<Own::size>(theirs, [=](Index j) { return sums[j].x.data(); });
+      },
+      [=](std::size_t i, auto& own) __attribute__((always_inline)) {
+        add_to_first(volumes[i] * centre, own.sum[A::at_cover]);
+        own.add_to(sums[i].x.data());
       });
   return sums;
 }

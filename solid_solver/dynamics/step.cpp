@@ -135,8 +135,8 @@ void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& s
   for (auto& plate : p.plates) plate.displacement += dt * plate.velocity;
   strain<D>(setup, dt, state);
   slide_on_walls(setup, dt, drive, state);
-  state.any_yielded =
-      state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });
+  state.any_yielded = state.any_yielded || setup.domain.any(std::any_of(state.yielded.begin(), state.yielded.end(),
+                                                                        [](char y) { return y; }));
 }
 
 template <int D>

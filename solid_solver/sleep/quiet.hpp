@@ -56,18 +56,18 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
     const double speed = setup.stabilisers.sound_speed / setup.height;
     reference = std::max(reference, speed * speed * way);
   }
-  return reference;
+  return setup.domain.max(reference);
 }
 
 /// Share of the mass that belongs to free particles i with moves(i).
 template <int D, class Moves>
-double share_of_mass(const Particles<D>& p, Moves&& moves) {
+double share_of_mass(const Domain& domain, const Particles<D>& p, Moves&& moves) {
   double share = 0.0, whole = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
     whole += p.mass[i];
     if (moves(i)) share += p.mass[i];
   }
-  return share / whole;
+  return domain.sum(share) / domain.sum(whole);
 }
 
 template <int D>
@@ -76,13 +76,15 @@ Unrest unrest(const Setup<D>& setup, const State<D>& state, std::span<const Vec<
   const double rate = near_critical_damping(setup);
   Unrest result;
   if (reference <= 0.0) return result;
-  result.share = share_of_mass(p, [&](std::size_t i) {
+  const double count = setup.domain.sum(static_cast<double>(p.free()));
+  result.share = share_of_mass(setup.domain, p, [&](std::size_t i) {
     const double departure = std::max(force[i].norm() / p.mass[i], rate * p.velocity[i].norm()) / reference;
     result.largest = std::max(result.largest, departure);
-    result.rms += departure * departure / static_cast<double>(p.free());
+    result.rms += departure * departure / count;
     return departure > sleep::restless;
   });
-  result.rms = std::sqrt(result.rms);
+  result.largest = setup.domain.max(result.largest);
+  result.rms = std::sqrt(setup.domain.sum(result.rms));
   return result;
 }
 
@@ -108,11 +110,11 @@ template <int D>
 bool softened(const Setup<D>& setup, const State<D>& state) {
   const auto& now = state.external.saturation;
   const auto& before = state.sleep.saturation;
-  for (std::size_t i = 0; i < state.particles.free(); ++i)
-    if (setup.softened_by_water[state.particles.material[i]] &&
-        (!before.is_allocated() || std::abs(now[i] - before[i]) > sleep::softening))
-      return true;
-  return false;
+  bool any = false;
+  for (std::size_t i = 0; i < state.particles.free() && !any; ++i)
+    any = setup.softened_by_water[state.particles.material[i]] &&
+          (!before.is_allocated() || std::abs(now[i] - before[i]) > sleep::softening);
+  return setup.domain.any(any);
 }
 
 /// Least length [s] of a long window, which is computed as an equilibrium: the time that elastic waves take through the
@@ -129,11 +131,12 @@ template <int D>
 bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference,
                double wake_above) {
   if (loads != state.sleep.loads || softened(setup, state)) return true;
-  for (std::size_t i = 0; i < state.particles.free(); ++i) {
+  bool any = false;
+  for (std::size_t i = 0; i < state.particles.free() && !any; ++i) {
     const double change = (drive.distributed[i] - state.sleep.force[i]).norm();
-    if (change > wake_above * reference * state.particles.mass[i]) return true;
+    any = change > wake_above * reference * state.particles.mass[i];
   }
-  return false;
+  return setup.domain.any(any);
 }
 
 }  // namespace poretwin::solid

@@ -155,7 +155,7 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   regions.last_activity_check = regions.clock;
   if (regions.last_active.empty()) {
     const auto flows = [&](double plastic) { return plastic > setup.flow_limit; };
-    if (std::none_of(p.plastic_strain.begin(), p.plastic_strain.end(), flows)) return;
+    if (!setup.domain.any(std::any_of(p.plastic_strain.begin(), p.plastic_strain.end(), flows))) return;
     regions.last_active.assign(p.free(), regions.clock);
     regions.mark = p.displacement;
     regions.outside.assign(p.free(), Vec<D>::Zero());

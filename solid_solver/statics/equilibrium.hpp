@@ -69,7 +69,7 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
                     const VecArray<D>& force, double reference) {
   VecArray<D> left = averaged(setup, state, force);
   const auto moves = [&](std::size_t i) { return left[i].norm() > moving * reference * state.particles.mass[i]; };
-  Unsettled result{share_of_mass(state.particles, moves)};
+  Unsettled result{share_of_mass(setup.domain, state.particles, moves)};
   for (std::size_t i = 0; i < left.size(); ++i)
     if (moves(i)) left[i].setZero();
   result.rest = departure(stiffness, left, reference);

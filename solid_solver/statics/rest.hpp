@@ -37,23 +37,26 @@ struct RestSearch {
 /// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / (v . m
 /// v) over the last step of dt [s] (Underwood 1983). before, now: forces on the particles [N] at its start and end.
 template <int D>
-double critical_rate(const State<D>& state, const VecArray<D>& before, const VecArray<D>& now, double dt) {
+double critical_rate(const Domain& domain, const State<D>& state, const VecArray<D>& before, const VecArray<D>& now,
+                     double dt) {
   const Particles<D>& p = state.particles;
   double stiff = 0.0, heavy = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
     stiff -= p.velocity[i].dot(now[i] - before[i]);
     heavy += p.mass[i] * p.velocity[i].squaredNorm();
   }
+  stiff = domain.sum(stiff);
+  heavy = domain.sum(heavy);
   return heavy > 0.0 ? 2.0 * std::sqrt(std::max(0.0, stiff / (dt * heavy))) : 0.0;
 }
 
 /// Largest displacement since `start` [m].
 template <int D>
-double farthest_moved(const State<D>& state, const VecArray<D>& start) {
+double farthest_moved(const Domain& domain, const State<D>& state, const VecArray<D>& start) {
   double farthest = 0.0;
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     farthest = std::max(farthest, (state.particles.displacement[i] - start[i]).norm());
-  return farthest;
+  return domain.max(farthest);
 }
 
 /// Dynamic relaxation from the present state. external(drive, rebuilt) sets the forces from outside after every step;
@@ -92,8 +95,8 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     external(drive, state.rebuilds > built);
     std::swap(before, now);
     now = forces(setup, state, drive);
-    if (state.rebuilds == built) {
-      const double rate = critical_rate(state, before, now, dt);
+    if (setup.domain.all(state.rebuilds == built)) {
+      const double rate = critical_rate(setup.domain, state, before, now, dt);
       drive.damping = state.any_yielded ? statics::damping_memory * drive.damping +
                                               (1.0 - statics::damping_memory) *
                                                   std::clamp(rate, statics::least_damping * elastic_rate, elastic_rate)
@@ -107,14 +110,15 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     const Unrest left = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference);
     report.residual = std::max(left.largest, acceleration_of_plates(setup, state, drive) / reference);
     report.creeps = state.any_yielded && left.share < search.local;
-    if (report.steps % 100 == 0) report.slides = farthest_moved(state, start) > search.farthest;
+    if (report.steps % 100 == 0) report.slides = farthest_moved(setup.domain, state, start) > search.farthest;
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
   } while (!report.reached() && !report.slides && !given_up && report.steps < limit());
   if (!report.reached() && late_steps > 0)  // damped motion continues at a speed of force over damping
-    report.drift = late_damping / static_cast<double>(late_steps) * farthest_moved(state, late) /
+    report.drift = late_damping / static_cast<double>(late_steps) * farthest_moved(setup.domain, state, late) /
                    (static_cast<double>(late_steps) * dt) / reference;
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
+  report.displacement = setup.domain.max(report.displacement);
   stop(setup, state);
   show(report);
   return report;

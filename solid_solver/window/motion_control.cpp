@@ -34,14 +34,15 @@ void store_plastic_shear_ratio(std::span<const double> plastic_before, double in
 }
 
 template <int D>
-bool inertia_matters(const Particles<D>& p, std::span<const Vec<D>> before, double dissipated, double slow) {
+bool inertia_matters(const Domain& domain, const Particles<D>& p, std::span<const Vec<D>> before, double dissipated,
+                     double slow) {
   double kinetic = 0.0, creeping = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
     const Vec<D> change = before.empty() ? p.velocity[i] : Vec<D>(p.velocity[i] - before[i]);
     kinetic += 0.5 * p.mass[i] * change.squaredNorm();
     creeping += 0.5 * p.mass[i] * slow * slow;
   }
-  return kinetic > steps::noticed * dissipated + creeping;
+  return domain.sum(kinetic) > steps::noticed * domain.sum(dissipated) + domain.sum(creeping);
 }
 
 template <int D>
@@ -49,9 +50,9 @@ void control_motion(const Setup<D>& setup, const Drive<D>& drive, double interva
   const Particles<D>& p = state.particles;
   const double slow = statics::woken_by * reference_acceleration(setup, state, drive) / near_critical_damping(setup);
   const bool hardly_moved =
-      share_of_mass(p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < sleep::local_share;
+      share_of_mass(setup.domain, p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < sleep::local_share;
   const bool moves = (state.any_yielded && !hardly_moved) ||
-                     inertia_matters<D>(p, {}, dissipated * long_window(setup) / interval, slow);
+                     inertia_matters<D>(setup.domain, p, {}, dissipated * long_window(setup) / interval, slow);
   if (state.motion.moving && state.motion.calms(interval, !moves))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state.time);
   else if (!state.motion.moving && moves)
@@ -75,11 +76,11 @@ std::pair<double, std::string> proposed_interval(const Setup<D>& setup, const St
   return limit;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                   \
-  template double plastic_work<D>(const Particles<D>&, std::span<const double>);                  \
-  template void store_plastic_shear_ratio<D>(std::span<const double>, double, double, State<D>&); \
-  template bool inertia_matters<D>(const Particles<D>&, std::span<const Vec<D>>, double, double); \
-  template void control_motion<D>(const Setup<D>&, const Drive<D>&, double, double, State<D>&);   \
+#define PORETWIN_INSTANTIATE(D)                                                                                  \
+  template double plastic_work<D>(const Particles<D>&, std::span<const double>);                                 \
+  template void store_plastic_shear_ratio<D>(std::span<const double>, double, double, State<D>&);                \
+  template bool inertia_matters<D>(const Domain&, const Particles<D>&, std::span<const Vec<D>>, double, double); \
+  template void control_motion<D>(const Setup<D>&, const Drive<D>&, double, double, State<D>&);                  \
   template std::pair<double, std::string> proposed_interval<D>(const Setup<D>&, const State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -45,7 +45,8 @@ void store_plastic_shear_ratio(std::span<const double> plastic_before, double in
 /// the speed `slow` [m/s]. It is that of the velocities' change since `before` [m/s], or of the velocities where
 /// `before` is empty.
 template <int D>
-bool inertia_matters(const Particles<D>& particles, std::span<const Vec<D>> before, double dissipated, double slow);
+bool inertia_matters(const Domain& domain, const Particles<D>& particles, std::span<const Vec<D>> before,
+                     double dissipated, double slow);
 
 /// Decides, after a window of coupled soil in substeps, whether its motion begins or ends. dissipated: energy
 /// dissipated by drag and plastic work [J].

@@ -324,7 +324,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
     compare_with_prediction(setup, interval, tracked, reference, state);
   // A departure that is left to the next pass is no motion of the soil's own.
   const bool settled = answers.empty() || unsettled_ <= setup.coupling.settled_below;
-  if (inert && settled && inertia_matters<D>(p, velocity, work, slow))
+  if (inert && settled && inertia_matters<D>(setup.domain, p, velocity, work, slow))
     return {Outcome::reject(followed_window(setup), "the soil moves: inertia matters"), {.moves = true, .longest = {}}};
   const double by_shear =
       moved ? interval * std::max(steps::shrinks_to, steps::sheared_in_a_window / shear_of_most(p, plastic_before))

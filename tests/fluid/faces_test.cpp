@@ -169,7 +169,7 @@ TEST(Faces, BehindAWallThatEndsAtAFaceEverythingIsSeenOnce) {
   }
   matrix.apply(u, std::span<double>(Au));
   matrix.apply(v, std::span<double>(Av));
-  EXPECT_NEAR(dot(v, Au) / dot(u, Av), 1.0, 1e-6);
+  EXPECT_NEAR(Domain().dot(v, Au) / Domain().dot(u, Av), 1.0, 1e-6);
 }
 
 }  // namespace

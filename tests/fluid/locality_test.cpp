@@ -114,6 +114,29 @@ TEST(Locality, AFastDropFarAwayLeavesFreeWaterAsItIs) {
   expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);
 }
 
+/// A block of soil that is full of water, between two reservoirs.
+void add_full_block(double left, double right, double head, Case& scene) {
+  scene.soils.push_back(sand());
+  scene.soils.back().shape = box(left, 0.0, right, 0.1);
+  scene.walls.push_back(wall(line(left, 0.0, right, 0.0)));
+  scene.walls.push_back(wall(line(right, 0.1, left, 0.1)));
+  scene.water_faces.push_back(head_face(line(left, 0.1, left, 0.0), head));
+  scene.water_faces.push_back(head_face(line(right, 0.0, right, 0.1), 0.2));
+  scene.fluid.regions.push_back(box(left, 0.0, right, 0.1));
+}
+
+/// Points in full soil are evened out without volume on the whole: of each block, not of both together.
+TEST(Locality, AnotherFullBlockFarAwayLeavesAFullBlockAsItIs) {
+  Case alone;
+  alone.solid.model = SolidCase::Model::rigid;
+  alone.fluid.particle_spacing = dx;
+  alone.fluid.pressure_tolerance = 1e-11;
+  add_full_block(0.0, 0.2, 0.3, alone);
+  Case beside = alone;
+  add_full_block(1.0, 1.1, 0.35, beside);
+  expect_the_same(alone, beside, 5.0, 1e-3);  // the displacements are found to a tolerance of their own
+}
+
 /// A box full of disordered water, without a free surface.
 Case closed_box() {
   Case scene;

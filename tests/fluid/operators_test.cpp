@@ -125,7 +125,7 @@ TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
   }
   m.apply(std::span<const double>(u), std::span<double>(mu));
   m.apply(std::span<const double>(v), std::span<double>(mv));
-  EXPECT_NEAR(dot(u, mv), dot(v, mu), 1e-12 * norm(u) * norm(mv));
+  EXPECT_NEAR(Domain().dot(u, mv), Domain().dot(v, mu), 1e-12 * Domain().norm(u) * Domain().norm(mv));
 }
 
 /// Disordered particles of two sizes, beside walls.
@@ -158,6 +158,64 @@ TEST(Operators, LaplaciansOfSeveralMobilitiesAreThoseOfEach) {
       const double mean = harmonic(one[a], one[s.parent[s.other[k]]]);
       EXPECT_NEAR(all[0].weight[k], mean * all[2].weight[k], 1e-6 * all[2].weight[k]);
     }
+}
+
+/// The results of all loops over pairs.
+template <int D>
+struct Loops {
+  MatArray<D> gradient;
+  ScalarArray divergence_of;
+  VecArray<D> slope, shared;
+  PairMatrix matrix, even;
+  /// Computed on the stencil that is given, so that the kernels, which are stored as floats, are the same.
+  explicit Loops(const Stencil<D>& on) {
+    VecArray<D> v(on.n_real);
+    ScalarArray p(on.n_real), mobility(on.n_real), counts(on.n_real);
+    for (std::size_t a = 0; a < on.n_real; ++a) {
+      for (int d = 0; d < D; ++d) v[a][d] = std::sin(7.0 * on.position[a][d] + on.position[a][(d + 1) % D]);
+      p[a] = std::cos(5.0 * on.position[a].x());
+      mobility[a] = 1.0 + on.position[a].y();
+      counts[a] = on.position[a].x() > 0.5 ? on.volume[a] : 0.0;
+    }
+    const auto zero = [](std::size_t) { return 0.0; };
+    gradient = velocity_gradient<D>(on, v);
+    divergence_of = divergence<D>(on, v);
+    slope = pressure_gradient<D>(on, p, zero, mobility, Vec<D>::Zero(), zero);
+    shared = v;
+    share_out<D>(on, counts, shared);
+    matrix = laplacian<D>(on, mobility);
+    Stencil<D> same = on;
+    std::fill(same.volume.begin(), same.volume.end(), on.volume[0]);
+    even = laplacian<D>(same, {});
+  }
+};
+
+template <int D>
+void expect_the_same_by_single_pairs() {
+  const Stencil<D> stencil = uneven_box<D>(D == 2 ? 12 : 7);
+  const Loops<D> fours(stencil);
+  const Instructions best = instructions();
+  instructions() = Instructions::scalar;
+  const Stencil<D> again = uneven_box<D>(D == 2 ? 12 : 7);
+  const Loops<D> ones(stencil);
+  instructions() = best;
+  const double rounding = 1e-12, of_floats = 1e-6;
+  for (std::size_t a = 0; a < stencil.n_real; ++a) {
+    EXPECT_NEAR(again.fullness[a], stencil.fullness[a], rounding);
+    EXPECT_NEAR(again.closest[a], stencil.closest[a], rounding);
+    EXPECT_LT((again.correction[a] - stencil.correction[a]).norm(), of_floats);
+    EXPECT_LT((ones.gradient[a] - fours.gradient[a]).norm(), rounding * 10.0);
+    EXPECT_NEAR(ones.divergence_of[a], fours.divergence_of[a], rounding * 10.0);
+    EXPECT_LT((ones.slope[a] - fours.slope[a]).norm(), rounding * 10.0);
+    EXPECT_LT((ones.shared[a] - fours.shared[a]).norm(), of_floats);
+    EXPECT_NEAR(ones.matrix.diagonal[a], fours.matrix.diagonal[a], of_floats * fours.matrix.diagonal[a]);
+    EXPECT_NEAR(ones.even.diagonal[a], fours.even.diagonal[a], of_floats * fours.even.diagonal[a]);
+  }
+}
+
+TEST(Operators, OnePairAtATimeGivesTheSameAsFour) {
+  expect_the_same_by_single_pairs<2>();
+  expect_the_same_by_single_pairs<3>();
 }
 
 /// Computed pair by pair, from the kernel itself.

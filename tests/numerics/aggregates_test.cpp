@@ -91,12 +91,12 @@ TEST(Aggregates, SaveIterations) {
   const auto iterations = [&](bool corrected) {
     ScalarArray x(n, 0.0);
     const auto report =
-        conjugate_gradients([&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); },
+        conjugate_gradients(Domain(), [&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); },
                             [&](std::span<const double> r, std::span<double> z) {
                               for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
                               if (corrected) aggregates.correct(r, z);
                             },
-                            b, x, 1e-6 * norm(b), 1000);
+                            b, x, 1e-6 * Domain().norm(b), 1000);
     EXPECT_TRUE(report.converged);
     return report.iterations;
   };
@@ -114,7 +114,7 @@ TEST(Aggregates, TellTheEnergyOfTheError) {
   const auto apply = [&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); };
   const auto solve = [&](double tolerance, double energy, ScalarArray& x) {
     return reduce_residual(
-        apply,
+        Domain(), apply,
         [&](std::span<const double> r, std::span<double> z) {
           for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
           aggregates.correct(r, z);
@@ -125,15 +125,15 @@ TEST(Aggregates, TellTheEnergyOfTheError) {
   const auto whole = solve(1e-12, 0.0, exact);
   ASSERT_TRUE(whole.converged);
   for (const double share : {1e-2, 1e-4, 1e-6}) {
-    const double asked = share * dot(exact, b);
+    const double asked = share * Domain().dot(exact, b);
     ScalarArray x(n, 0.0);
     const auto report = solve(0.0, asked, x);
     EXPECT_TRUE(report.converged);
     EXPECT_LT(2 * report.iterations, whole.iterations + 10);
     for (std::size_t i = 0; i < n; ++i) x[i] -= exact[i];
     apply(x, work);
-    EXPECT_LT(dot(x, work), 5.0 * asked) << share;
-    EXPECT_GT(dot(x, work), 0.01 * asked) << share;
+    EXPECT_LT(Domain().dot(x, work), 5.0 * asked) << share;
+    EXPECT_GT(Domain().dot(x, work), 0.01 * asked) << share;
   }
 }
 

@@ -58,13 +58,13 @@ int solve(Grid g, bool closed, ScalarArray& x) {
   x.assign(m.size(), 0.0);
   Multigrid multigrid(m);
   const auto report = conjugate_gradients(
-      [&](std::span<const double> u, std::span<double> y) { m.apply(u, y); },
-      [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, x, 1e-8 * norm(b), 100);
+      Domain(), [&](std::span<const double> u, std::span<double> y) { m.apply(u, y); },
+      [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, x, 1e-8 * Domain().norm(b), 100);
   EXPECT_TRUE(report.converged);
   ScalarArray row(m.size());
   m.apply(std::span<const double>(x), std::span<double>(row));
   for (std::size_t a = 0; a < row.size(); ++a) row[a] -= b[a];
-  EXPECT_LE(norm(row), 2e-8 * norm(b));
+  EXPECT_LE(Domain().norm(row), 2e-8 * Domain().norm(b));
   return report.iterations;
 }
 

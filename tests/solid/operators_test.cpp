@@ -217,7 +217,7 @@ TEST(PairLoops, AreThoseOfThePlainTwinOnThreeThreads) {
 
 TEST(PairLoops, AreThoseOfThePlainTwinOnEveryProcessor) {
   const Instructions best = instructions();
-  for (const auto lower : {Instructions::plain, Instructions::avx2}) {
+  for (const auto lower : {Instructions::scalar, Instructions::plain, Instructions::avx2}) {
     if (lower > best) continue;
     instructions() = lower;
     expect_twin<2>({});

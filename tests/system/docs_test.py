@@ -182,6 +182,17 @@ class Tree:
                     wrong.append(f"{self.name(file)}: includes {seen}, which docs/architecture.md does not allow {room}")
         return wrong
 
+    def reductions_of_one_rank(self):
+        """Sums and maxima that a solver forms without Domain, so that several ranks would decide differently. A comment on the line above
+        says why one may."""
+        wrong = []
+        for file in self.code:
+            if file.suffix in {".cpp", ".hpp"} and self.name(file).split("/")[0].endswith("_solver"):
+                lines = ["", *file.read_text().splitlines()]
+                wrong += [f"{self.name(file)}:{n}: a reduction of one rank" for n, line in enumerate(lines)
+                          if "one_rank::" in line and not lines[n - 1].lstrip().startswith("//")]
+        return wrong
+
 
 class Docs(unittest.TestCase):
     maxDiff = None
@@ -201,6 +212,9 @@ class Docs(unittest.TestCase):
 
     def test_chosen_numbers_have_unit_reason_and_test(self):
         self.assertEqual(self.tree.wrong_numbers(), [])
+
+    def test_solvers_reduce_over_all_ranks(self):
+        self.assertEqual(self.tree.reductions_of_one_rank(), [])
 
     def test_rooms_include_what_they_may(self):
         with_code = {self.tree.room_of(self.tree.name(f.parent)) for f in self.tree.files if f.suffix in {".cpp", ".hpp"} and f.parent != SOURCE}
@@ -225,6 +239,7 @@ class Itself(unittest.TestCase):
                 "common/x.hpp": "",
                 "fluid/deep/b.hpp": '#include "common/x.hpp"\n#include "fluid/deep/c.hpp"\n#include <vector>\n',
                 "solid/x.hpp": "",
+                "solid_solver/sums.cpp": "double a = one_rank::dot(x, y);\n// Here only: it is a hint.\ndouble b = one_rank::dot(x, y);\n",
                 "fluid_solver/numerics/room.hpp": "/// A.\n/// Unit: 1. Test: Case.WorksWell (untried).\ninline constexpr double tested = 1.0;\n"
                                                   "/// A.\n/// Unit: 1. Test: none known.\ninline constexpr int untested = 1;\n"
                                                   "/// A.\n/// Unit: 1. Test: Case.Gone.\ninline constexpr double lost = 1.0;\n"
@@ -242,6 +257,7 @@ class Itself(unittest.TestCase):
                                                     "docs/theory/t.md:1: not in the sources: renamed_since"])
             self.assertEqual(tree.wrong_numbers(), [f"fluid_solver/numerics/room.hpp: {what}" for what in
                                                     ("lost: no test Case.Gone", "unreasoned without reason, unit or test", "bare without reason, unit or test")])
+            self.assertEqual(tree.reductions_of_one_rank(), ["solid_solver/sums.cpp:1: a reduction of one rank"])
             self.assertEqual(tree.wrong_includes(), ["fluid/a.cpp: includes solid, which docs/architecture.md does not allow fluid",
                                                      "fluid/deep/b.hpp: includes common, which docs/architecture.md does not allow fluid/deep"])
 
