@@ -139,7 +139,9 @@ class Patch {
     }
     ScalarArray u(n, 0.0);
     constexpr double tolerance = 1e-10;
+    const Domain domain;  // one process has the whole field
     conjugate_gradients(
+        domain,
         [&](auto x, auto y) {
           for (std::size_t i = 0; i < n; ++i) {
             y[i] = diagonal[i] * x[i];
@@ -151,7 +153,7 @@ class Patch {
         [&](auto r, auto z) {
           for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / diagonal[i];
         },
-        right, u, tolerance * norm(right), static_cast<int>(10 + 2 * n));
+        right, u, tolerance * domain.norm(right), static_cast<int>(10 + 2 * n));
     for (auto& p : found) p.equivalent_radius = std::exp(u[static_cast<std::size_t>(p.equivalent_radius)]);
     std::sort(found.begin(), found.end(), [](const Pierced& p, const Pierced& q) { return p.from < q.from; });
     return found;

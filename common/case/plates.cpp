@@ -1,6 +1,7 @@
 #include "common/case/plates.hpp"
 
 #include "common/case/complaints.hpp"
+#include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 
@@ -91,7 +92,7 @@ class Plates : Complaints {
   /// a plate that it does not touch.
   void touches_soil(const Face& f, const std::string& key) const {
     const double dx = scene_.solid.particle_spacing;
-    constexpr double beside = 0.25, reach = 1.5;  // spacings; the kernel reaches an image from 1.2 spacings off
+    constexpr double beside = 0.05, reach = 1.5;  // spacings; the kernel reaches an image from 1.2 spacings off
     double touched = 0.0;
     const auto look = [&](const Point3& x, const Point3& normal, double length) {
       if (soil_at(x - beside * dx * normal))
@@ -119,6 +120,15 @@ class Plates : Complaints {
       const auto places = places_along(piece, dx);
       for (const Point3& x : places) look(x, piece.left(), piece.length() / static_cast<double>(places.size()));
     }
+    constexpr double parallel = 0.02;  // sine of an angle
+    const Point3 along =
+        f.points.empty() ? Point3(-f.normal.y(), f.normal.x(), 0.0) : Point3(f.points[1] - f.points[0]);
+    const bool on_rows = along.cwiseAbs().head<2>().minCoeff() < parallel * along.norm();
+    if (!on_rows &&
+        !std::ranges::all_of(scene_.soils, [](const Soil& s) { return turned_rectangle(s.shape).has_value(); }))
+      fail(key,
+           "the plate lies at an angle to the rows of the soil's particles, and the stress on it would be off by up "
+           "to 40 %: expected a plate along x or y, with case.gravity turned instead, or soil drawn as a rectangle");
     constexpr double least = 2.0;  // spacings
     if (touched < (least - 1e-6) * dx)
       fail(key, fmt::format("the plate lies off the soil: {:.3g} m of its line touch soil, expected at least {:.3g} m "

@@ -1,5 +1,9 @@
 #include "solid_solver/discretisation/plates.hpp"
 
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace poretwin::solid {
@@ -46,6 +50,11 @@ std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const 
           plate.sinks_in = true;
       }
     }
+    if (D == 2 && !(plate.row > 0.0))
+      throw CaseError(
+          fmt::format("plate \"{}\": no soil particle lies within a spacing before it; move it to the soil's "
+                      "surface",
+                      plate.name));
     plate.mass = given.mass.value_or(plate.row);
   }
   return plates;

@@ -639,6 +639,10 @@ TEST_F(Mistakes, PlatesLieOnTheSoilBeforeThem) {
   EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [0.01, 0.4]]", sinks)), HasSubstr("lies 0.01 m off wall[0]"));
   EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [-0.2, 0.4]]", sinks)), HasSubstr("crosses wall[0]"));
   EXPECT_THAT(complaint(under_plate("[[0, 0.4], [0, 0]]", sinks)), HasSubstr("lies on wall[0]"));
+  const std::string wedge = under_plate("[[0.4, 0.2], [0, 0.4]]", sinks);
+  EXPECT_THAT(complaint(changed(wedge, "min = [0, 0]\nmax = [0.4, 0.4]",
+                                "shape = \"polygon\"\npoints = [[0, 0], [0.4, 0], [0.4, 0.2], [0, 0.4]]")),
+              HasSubstr("the plate lies at an angle to the rows"));
   EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [0.1, 0.4], [0, 0.4]]", sinks)),
               HasSubstr("expected its 2 ends, found 3 points"));
 }

@@ -56,6 +56,32 @@ TEST(Plate, CompressesAColumnAsAnOedometerDoes) {
   }
 }
 
+// The same in a column that is turned by 30 degrees, with its rows.
+TEST(Plate, CompressesATurnedColumn) {
+  constexpr double width = 0.4, height = 1.0, strain = 1e-3, angle = std::numbers::pi / 6.0;
+  const auto turned = [&](double x, double y) {
+    return Point3(std::cos(angle) * x - std::sin(angle) * y, std::sin(angle) * x + std::cos(angle) * y, 0.0);
+  };
+  Case scene = weightless_column(0.05);
+  Shape& shape = scene.soils[0].shape;
+  shape.kind = Shape::Kind::polygon;
+  shape.points = {turned(0, 0), turned(width, 0), turned(width, height), turned(0, height)};
+  for (Wall& wall : scene.walls) {
+    wall.face.point = turned(wall.face.point.x(), wall.face.point.y());
+    wall.face.normal = turned(wall.face.normal.x(), wall.face.normal.y());
+  }
+  Plate plate;
+  plate.face.points = {turned(width, height), turned(0, height)};
+  plate.speed = Series{{{0.0, 0.0}, {1.0, strain * height}, {2.0, 0.0}}};
+  scene.plates = {plate};
+  Solid<2> solid(scene);
+  solid.initialise({});
+  run(solid, 2.0);
+  const double force = -constrained * std::log1p(-strain) * width;
+  const Vec<2> due = force * turned(0, 1).head<2>();
+  EXPECT_LT((plate_of(solid).reaction - due).norm(), 1e-3 * force);
+}
+
 // The plate moves by two spacings: lists and images are built anew several times, and log(H / h) is the strain.
 TEST(Plate, CompressesSoilByMuch) {
   constexpr double width = 0.4, height = 1.0, left = 0.9;
