@@ -33,12 +33,13 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"drag_work", "fluid", "work of the drag on both phases, since the start"},
     {"extent", "fluid", "how far the water reaches from the first of `points` towards the second"},
     {"spread", "fluid", "rms distance from the water's mean position, along the line of `points`"},
-    {"level", "fluid", "level of the water behind the face named by `quantity`"},
+    {"level", "fluid", "level of the water behind the face, or in the well, named by `quantity`"},
     {"passed_volume", "fluid",
-     "volume that came in less volume that went out through the face named by `quantity`; absent: through all faces"},
+     "volume that came in less volume that went out through the face or well named by `quantity`; absent: through all "
+     "of them"},
     {"discharge", "fluid",
      "volume per time through the wet part of the line between two `points`, positive from its right to its left side; "
-     "of a field also the inflow through the face named by `quantity`"},
+     "of a field also the inflow through the face, or the discharge pumped out by the well, named by `quantity`"},
     {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points`"},
     {"exit_gradient", "fluid",
      "largest outward hydraulic gradient over such a face; `_at`: its distance from the first of the `points`; "
