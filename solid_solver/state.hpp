@@ -346,6 +346,7 @@ template <int D>
 struct Scratch {
   std::vector<Quad> sums;     ///< of the loop over pairs that is running
   std::vector<char> touches;  ///< for slide_on_walls: 1 where a particle touches a wall
+  ScalarArray yielded_since;  ///< for keep_flow_regular: plastic strain since it last acted
   ScalarArray flows;          ///< for keep_flow_regular: 1 where soil flows; where it yielded a little, minus the
                               ///< stress [Pa] that may be evened out. grains: likewise for keep_flow_regular
   std::vector<Grain<D>> grains;

@@ -16,7 +16,7 @@ constexpr double full_weight = 3.5;
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// Sets Scratch::flows. After a step from equilibrium to equilibrium also for soil that yielded a little, whose plastic
+/// Sets Scratch::flows and yielded_since. After a step from equilibrium to equilibrium also for soil that yielded a little, whose plastic
 /// strain since the last call it uses and stores.
 template <int D>
 void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state) {
@@ -27,13 +27,15 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
   if (std::ranges::all_of(p.plastic_strain, [](double strain) { return strain <= 0.0; })) return;
   for (std::size_t i = 0; i < n; ++i)
     if (p.plastic_strain[i] > setup.flow_limit) flows[i] = 1.0;
-  if (!in_equilibrium) return;
   state.evened.resize(n, 0.0F);
+  ScalarArray& yielded = state.scratch.yielded_since;
+  yielded.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const auto strain = static_cast<float>(p.plastic_strain[i]);
-    const double since = static_cast<double>(strain - state.evened[i]);
+    yielded[i] = static_cast<double>(strain - state.evened[i]);
     state.evened[i] = strain;
-    if (flows[i] == 0.0 && p.rubbing[i] <= 0.0F) flows[i] = -flow::evened_out * moduli(setup, p, i).shear * since;
+    if (in_equilibrium && flows[i] == 0.0 && p.rubbing[i] <= 0.0F)
+      flows[i] = -flow::evened_out * moduli(setup, p, i).shear * yielded[i];
   }
 }
 
@@ -241,10 +243,12 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       const Lanes flowed = flowing & (shear < elastic) ? shear / elastic : Lanes{} + 1.0;
       for (int a = 0; a < n_components<D>; ++a) four.stress[a] += flow::stress_share * scale * flowed * around[a];
       // In wet soil a volume is the space that the soil's motion leaves, which water fills: moved to particles that hardly
-      // shear, it would press water out of them or draw it in. Only what rows that slide past each other err by is
+      // yield, it would press water out of them or draw it in. Only what rows that slide past each other err by is
       // evened out there, and volumes are not taken from the positions.
       const LaneMask dry = coverage <= 0.5;
-      Lanes renewed = shear / flow::volume_renewing;
+      Lanes renewed;
+      take_each(state.scratch.yielded_since, i, renewed);
+      renewed /= flow::volume_renewing;
       min_in_place(renewed, Lanes{} + 1.0);
       renewed = dry ? flowed : renewed;
       volume *= flowing ? 1.0 + flow::volume_share * scale * renewed * around[A::at_swelling] : Lanes{} + 1.0;

@@ -19,10 +19,10 @@ inline constexpr double stress_share = 0.5;
 /// Fraction by which a correction moves a particle's volume towards the average of its neighbours.
 /// Unit: 1. Test: none known.
 inline constexpr double volume_share = 0.2;
-/// Shear strain since the last correction from which on the volumes of wet soil are evened out in full, below it in
-/// proportion. The volumes of rows that slide past each other err by some 6e-4 of the shear.
-/// Unit: 1. Test: RegularFlow.EvensOutVolumesOfWetSoilByWhatItShears.
-inline constexpr double volume_renewing = 0.002;
+/// Equivalent plastic strain since the last correction from which on the volumes of wet soil are evened out in full,
+/// below it in proportion. The volumes of rows that slide past each other err by some 6e-4 of the shear.
+/// Unit: 1. Test: RegularFlow.EvensOutVolumesOfWetSoilByWhatItYields.
+inline constexpr double volume_renewing = 0.001;
 /// Fraction of the error of sum V W by which a correction changes a particle's volume.
 /// Unit: 1. Test: none known.
 inline constexpr double packing_share = 0.1;
