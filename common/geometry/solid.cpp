@@ -248,12 +248,7 @@ Solid::Solid(std::vector<Part> parts, double resolution) : parts_(std::move(part
 
 bool Solid::contains(const Point3& x) const {
   if (((x - bounds_.first).array() < 0.0).any() || ((bounds_.second - x).array() < 0.0).any()) return false;
-  return std::all_of(parts_.begin(), parts_.end(), [&](const Part& part) {
-    // Most places lie far from a hole; its box tells so without a winding number.
-    const auto [lower, upper] = part.mesh.bounds();
-    if (((x - lower).array() < 0.0).any() || ((upper - x).array() < 0.0).any()) return part.cut_out;
-    return part.contains(x);
-  });
+  return std::all_of(parts_.begin(), parts_.end(), [&](const Part& part) { return part.contains(x); });
 }
 
 double Solid::depth(const Point3& x, double range) const {

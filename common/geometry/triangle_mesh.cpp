@@ -195,7 +195,7 @@ std::optional<double> TriangleMesh::crossing(const Vec<3>& a, const Vec<3>& b) c
 
 double TriangleMesh::depth(const Vec<3>& x, double range) const {
   const auto found = nearest(x, range);
-  if (!found) return nodes_[0].distance2(x) <= 0.0 && contains(x) ? range : -range;
+  if (!found) return contains(x) ? range : -range;
   // Where the nearest point lies inside a facet, the facet's normal tells the side of x; at an edge or corner it need
   // not.
   constexpr double over = 1.0 - 1e-9;
