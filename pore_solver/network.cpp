@@ -4,11 +4,11 @@
 #include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
+#include "pore_solver/cell_sides.hpp"
 #include "pore_solver/network_3d.hpp"
 #include "pore_solver/wells.hpp"
 
 #include <fmt/format.h>
-#include <voro++/voro++.hh>
 
 #include <algorithm>
 #include <cmath>
@@ -143,27 +143,16 @@ constexpr int first_line = -100;
 int beyond_line(std::size_t line) { return first_line - static_cast<int>(line); }
 
 std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
-  std::vector<int> beyond, corners;
-  std::vector<double> vertices;
-  cell.neighbors(beyond);
-  cell.face_vertices(corners);
-  cell.vertices(vertices);
   std::vector<CellSide> sides;
-  std::size_t at = 0;
-  for (const int next : beyond) {
-    const auto count = static_cast<std::size_t>(corners[at++]);
-    const auto vertex = [&](std::size_t k) {
-      const auto v = 3 * static_cast<std::size_t>(corners[at + k]);
-      return Point3(vertices[v], vertices[v + 1], 0.0);
-    };
+  for_each_side(cell, [&](int beyond, std::vector<Point3>& corners) {
+    for (Point3& x : corners) x.z() = 0.0;
     // The two ends of the side are the corners that are farthest apart.
-    Piece piece{vertex(0), vertex(0)};
-    for (std::size_t k = 1; k < count; ++k)
-      if ((vertex(k) - piece.a).norm() > (piece.b - piece.a).norm()) piece.b = vertex(k);
+    Piece piece{corners[0], corners[0]};
+    for (const Point3& x : corners)
+      if ((x - piece.a).norm() > (piece.b - piece.a).norm()) piece.b = x;
     constexpr int lower_lid = -5, upper_lid = -6;
-    if (next != lower_lid && next != upper_lid && piece.length() > tiny) sides.push_back({next, piece});
-    at += count;
-  }
+    if (beyond != lower_lid && beyond != upper_lid && piece.length() > tiny) sides.push_back({beyond, piece});
+  });
   return sides;
 }
 

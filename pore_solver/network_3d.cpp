@@ -4,10 +4,10 @@
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/soil_surface.hpp"
 #include "common/geometry/solid.hpp"
+#include "pore_solver/cell_sides.hpp"
 #include "pore_solver/polygon.hpp"
 
 #include <fmt/format.h>
-#include <voro++/voro++.hh>
 
 #include <algorithm>
 #include <cmath>
@@ -35,31 +35,14 @@ constexpr int first_facet = -100;
 int beyond_facet(Index facet) { return first_facet - static_cast<int>(facet); }
 
 std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
-  std::vector<int> beyond, corners;
-  std::vector<double> vertices;
-  cell.neighbors(beyond);
-  cell.face_vertices(corners);
-  cell.vertices(vertices);
   std::vector<CellSide> sides;
-  std::size_t at = 0;
-  for (const int next : beyond) {
-    const auto count = static_cast<std::size_t>(corners[at++]);
-    CellSide side;
-    side.beyond = next;
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto v = 3 * static_cast<std::size_t>(corners[at + k]);
-      side.corners.emplace_back(vertices[v], vertices[v + 1], vertices[v + 2]);
-    }
-    at += count;
-    const Measure m = measure(side.corners);
-    if (m.area < tiny) continue;
+  for_each_side(cell, [&](int beyond, const Polygon& corners) {
+    const Measure m = measure(corners);
+    if (m.area < tiny) return;
     // The cell is convex and its point lies inside.
-    side.outwards = m.normal.dot(m.centre) < 0.0 ? Point3(-m.normal) : m.normal;
-    side.area = m.area;
-    side.centre = m.centre;
-    side.deep = side.outwards.dot(m.centre);
-    sides.push_back(std::move(side));
-  }
+    const Point3 outwards = m.normal.dot(m.centre) < 0.0 ? Point3(-m.normal) : m.normal;
+    sides.push_back({beyond, corners, outwards, m.centre, m.area, outwards.dot(m.centre)});
+  });
   return sides;
 }
 
