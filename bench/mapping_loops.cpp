@@ -1,13 +1,13 @@
 // Why the coupler has loops of its own: interpolation of many fields from one cloud of points to another, by its blocks
 // of four receiving points with common candidates, and by for_pairs(), four givers of one receiving point at a time.
 // Run by hand: `ninja mapping_loops && bin/mapping_loops [POINTS]`.
+#include "bench/timing.hpp"
 #include "common/particles/for_pairs.hpp"
 #include "common/particles/kernel.hpp"
 #include "coupler/mapping.hpp"
 
 #include <fmt/format.h>
 
-#include <ctime>
 #include <random>
 
 using namespace poretwin;
@@ -15,22 +15,6 @@ using namespace poretwin;
 namespace {
 
 constexpr std::size_t n_fields = 24;  // as many numbers as a soil in motion gives to the water
-
-double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-/// CPU time of one call [s]: the shortest of some batches, as in pair_loops.cpp.
-template <class Job>
-double seconds(Job&& job) {
-  double least = 1e300;
-  for (int batch = 0; batch < 20; ++batch) {
-    int calls = 0;
-    const double begin = cpu();
-    double now = begin;
-    for (; now < begin + 0.05; now = cpu(), ++calls) job();
-    least = std::min(least, (now - begin) / calls);
-  }
-  return least;
-}
 
 /// Position, 1 / (2 h), amplitude of the kernel, values.
 struct alignas(32) Giver {
@@ -83,7 +67,7 @@ void by_blocks(const coupling::PairBlocks<2>& pairs, const std::vector<double>& 
 /// The same by for_pairs, all values in one pass.
 void by_pairs(const FullRows& rows, const std::vector<Giver>& givers, const std::vector<Giver>& receivers,
               std::vector<double>& out) {
-  double* const told = out.data();
+  double* const mapped = out.data();
   const Giver* const at = receivers.data();
   for_pairs<SumsOf<n_fields + 1>::Row>(
       rows, PairInputs<Giver, 0, 4>{givers.data(), givers.size()},
@@ -103,7 +87,7 @@ void by_pairs(const FullRows& rows, const std::vector<Giver>& givers, const std:
       [=](std::size_t i, const auto& own) __attribute__((always_inline)) {
         double total[SumsOf<n_fields + 1>::size] = {};
         own.add_to(total);
-        for (std::size_t k = 0; k < n_fields; ++k) told[i * n_fields + k] = total[k] / total[n_fields];
+        for (std::size_t k = 0; k < n_fields; ++k) mapped[i * n_fields + k] = total[k] / total[n_fields];
       });
 }
 

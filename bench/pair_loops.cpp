@@ -1,36 +1,18 @@
 // Pair loops compared with what this machine can do: one fused pass of density divergence, pressure gradient and
 // Laplacian over the pairs of a jittered lattice, with a neighbour list, a list in lanes and a half list in lanes; and
 // the loops of both solvers on the same points. Run by hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
+#include "bench/timing.hpp"
 #include "common/particles/for_pairs.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 
 #include <fmt/format.h>
 
-#include <ctime>
 #include <random>
 
 using namespace poretwin;
 
 namespace {
-
-double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-/// CPU time of one call [s]: the shortest mean of batches that take 20 ms or more each, as clocks of CPU time may be
-/// coarse, of as many as fit into a second (at least three).
-template <class Job>
-double seconds(Job&& job) {
-  double least = 1e300;
-  int batches = 0;
-  for (const double end = cpu() + 1.0; batches < 3 || cpu() < end; ++batches) {
-    int calls = 0;
-    const double begin = cpu();
-    double now = begin;
-    for (; now < begin + 0.02; now = cpu(), ++calls) job();
-    least = std::min(least, (now - begin) / calls);
-  }
-  return least;
-}
 
 /// Values that the pass reads: x, y, u, v, p, V; and that it sums: divergence, gradient, Laplacian.
 struct alignas(64) Point {
