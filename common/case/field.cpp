@@ -99,9 +99,6 @@ class FieldChecks : Complaints {
 
  private:
   void scene() const {
-    if (dimension_ == 3 && scene_.deformable())
-      fail("fluid.representation",
-           "a field in 3D is for rigid soil so far; expected solid.model = \"rigid\", or \"particles\"");
     if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
     if (up_.isZero() && asks_for_heads())
       fail("case.gravity",
