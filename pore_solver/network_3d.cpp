@@ -139,16 +139,15 @@ class Maker {
   [[nodiscard]] std::vector<Point3> points_of(std::size_t s) const {
     const Shape& shape = scene_.soils[s].shape;
     const auto& f = scene_.fluid;
-    const auto& moving = scene_.solid;  // in soil that moves the points are its particles
-    const bool moves = scene_.deformable();
-    const auto& offset = moves ? moving.offset : f.offset;
-    const double jitter = moves ? moving.jitter : f.jitter;
-    const unsigned seed = (moves ? moving.seed : f.seed) + static_cast<unsigned>(s);
-    if (!is_packed(shape)) return fill<3>(shape, spacing_, offset, jitter, seed).position;
+    const auto& moving = scene_.solid;
+    if (scene_.deformable())  // the points are the soil's particles
+      return lay<3>(shape, spacing_, moving.offset, moving.jitter, moving.seed + static_cast<unsigned>(s)).position;
+    const unsigned seed = f.seed + static_cast<unsigned>(s);
+    if (!is_packed(shape)) return fill<3>(shape, spacing_, f.offset, f.jitter, seed).position;
     Shape around;
     std::tie(around.min, around.max) = bounds(shape);
     std::vector<Point3> points;
-    for (const auto& x : fill<3>(around, spacing_, offset, jitter, seed).position)
+    for (const auto& x : fill<3>(around, spacing_, f.offset, f.jitter, seed).position)
       if (shape.solid->depth(x, spacing_) > 1e-6 * spacing_) points.push_back(x);
     return points;
   }

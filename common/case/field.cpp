@@ -183,9 +183,18 @@ class FieldChecks : Complaints {
     // The soil's solver looks for the water behind its surface along faces by points.
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
       if (const WaterFace& f = scene_.water_faces[i];
-          f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0)))
-        fail(fmt::format("water_face[{}].point", i),
-             "a field in soil that moves needs the ends of a face with water behind it; expected 'points'");
+          f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0))) {
+        if (dimension_ == 2)
+          fail(fmt::format("water_face[{}].point", i),
+               "a field in soil that moves needs the ends of a face with water behind it; expected 'points'");
+        if (f.face.normal.isZero())
+          fail(fmt::format("water_face[{}].within", i),
+               "in soil that moves a face with water behind it is flat; expected 'point' and 'normal' besides");
+      }
+    if (dimension_ == 3 && scene_.can_yield())
+      fail("solid.model",
+           "with a field in 3D soil is rigid or elastic so far, found soil that can yield; expected \"elastic\" or "
+           "\"rigid\", or fluid.representation = \"particles\"");
     if (scene_.can_yield() && !scene_.rains.empty())
       fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)

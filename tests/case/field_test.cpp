@@ -187,6 +187,18 @@ TEST_F(Field, In3DIsReadAndNothingIsSaidOfIt) {
   EXPECT_EQ(scene.wells[0].discharge->at(0.0), 1e-4);
 }
 
+TEST_F(Field, In3DMovesWithElasticSoilOnly) {
+  const auto moving = [](const std::string& model) {
+    return changed(dam_in_space, "model = \"rigid\"", "model = \"" + model + "\"\nparticle_spacing = 0.4") +
+           "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nwater = \"none\"\n";
+  };
+  EXPECT_EQ(complaint(moving("elastic")), "no complaint");
+  EXPECT_THAT(complaint(moving("drucker_prager")), AllOf(HasSubstr("solid.model"), HasSubstr("in 3D")));
+  // The soil's solver looks for the water behind a face on a plane.
+  EXPECT_THAT(complaint(moving("elastic"), {"water_face.1.outlet=false", "water_face.1.head=1"}),
+              AllOf(HasSubstr("water_face[1].within"), HasSubstr("'point' and 'normal'")));
+}
+
 TEST_F(Field, FacesIn3DMustLieOnSoil) {
   EXPECT_THAT(complaint(dam_in_space, {"water_face.0.normal=[1, 0, 1]"}),
               AllOf(HasSubstr("case.toml:12"), HasSubstr("water_face[0]"), HasSubstr("nowhere on the soil's surface")));
@@ -225,8 +237,6 @@ TEST_F(Field, WellsMustStandInSoil) {
               AllOf(HasSubstr("well[0].name"), HasSubstr("water_face[1]")));
   EXPECT_THAT(complaint(dam_in_space, {"gauge.0.quantity=\"wall\""}),
               AllOf(HasSubstr("gauge[0].quantity"), HasSubstr("\"well\"")));
-  EXPECT_THAT(complaint(changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"")),
-              AllOf(HasSubstr("fluid.representation"), HasSubstr("3D")));
   EXPECT_EQ(complaint(dam + "[[well]]\npoints = [[0.6, 0.2]]\nradius = 0.002\nhead = 0.25\n"), "no complaint");
 }
 
