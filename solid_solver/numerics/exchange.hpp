@@ -26,7 +26,7 @@ inline constexpr double modulus_in_motion = 0.3;
 inline constexpr double surface = 0.02;
 /// Length of the surface vector times the spacing from which on a particle counts as in the first row at a free
 /// surface. On a lattice it is 1.47 in the first row, 0.44 to 0.46 in the second.
-/// Unit: over the spacing. Test: FieldWithSoil.BearsASuddenLoadWhollyInSpace (when doubled).
+/// Unit: over the spacing. Test: FieldWithSoil.BearsASuddenLoadWhollyInSpace.
 inline constexpr double first_row = 0.8;
 
 }  // namespace poretwin::solid::exchange
