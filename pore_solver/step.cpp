@@ -155,7 +155,8 @@ void Stepper::see(const Skeleton& soil, double share) {
 double Stepper::time_of_a_cell(const Skeleton& soil) const {
   ScalarArray passes(network_.size(), 0.0);  // m2/s (2D: m/s), discharge for each metre of head
   for (const auto& link : network_.links)
-    for (const Index a : {link.a, link.b}) passes[a] += soil.conductivity[a] * link.transmissibility;
+    for (const auto& [a, along] : {std::pair{link.a, link.of_a}, {link.b, link.of_b}})
+      passes[a] += along * soil.conductivity[a] * link.transmissibility;
   double shortest = HUGE_VAL;
   for (std::size_t a = 0; a < passes.size(); ++a)
     if (soil.give[a] > 0.0 && passes[a] > 0.0) shortest = std::min(shortest, soil.give[a] / passes[a]);

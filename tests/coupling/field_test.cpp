@@ -88,6 +88,17 @@ TEST(FieldWithSoil, ConsolidatesAsTerzaghiInWindowsOfItsOwn) {
   }
 }
 
+/// Water leaves the column across its beds.
+TEST(FieldWithSoil, ConsolidatesWithTheConductivityAcrossTheBeds) {
+  const double rate = 1e-5 * modulus / 9810.0;
+  Case scene = loaded_column(0.2 * height * height / rate);
+  scene.soils[0].anisotropy = 10.0;
+  scene.soils[0].bedding_normal = Point3::UnitY();
+  CoupledRun coupled;
+  run(coupled, scene);
+  EXPECT_NEAR(-last(coupled.solid_record, "displacement_y") * modulus / (load * height), consolidation(0.2), 0.005);
+}
+
 /// Under uniform suction and open to the air, a weightless column shortens in proportion to suction over modulus.
 TEST(FieldWithSoil, SuctionUnderAirCompressesTheSoil) {
   Case scene = column();
