@@ -542,6 +542,10 @@ void declare(Keys& keys, Well& w) {
 void declare(Keys& keys, Load& l) {
   keys.text("name", l.name, {"", "Name, for messages."});
   declare(keys, l.face);
+  keys.optional_table("within",
+                      "3D, with `point` and `normal` along an axis: only the part of the plane in this box, as far as "
+                      "soil lies there; the total force is the traction times its area.",
+                      l.face.within, [](Keys& inner, Shape& shape) { declare(inner, shape); });
   keys.number("pressure", l.pressure,
               {"Pa", "Instead of `traction`: force per area across the face, into the soil where it is above zero."});
   keys.point("traction", l.traction,

@@ -52,7 +52,7 @@ class Checker : Complaints {
     if (scene_.has_water()) sides();
     gauges();
     // The other limits are those of water particles: a field stays within its soil, so that no water can run out.
-    if (scene_.is_field()) return;
+    if (scene_.is_field()) return check_loads(scene_, places_);
     if (scene_.has_water()) enclosure();
     check_supported(scene_, places_);
   }

@@ -229,9 +229,31 @@ TEST_F(Field, In3DMovesWithElasticSoilOnly) {
   };
   EXPECT_EQ(complaint(moving("elastic")), "no complaint");
   EXPECT_THAT(complaint(moving("drucker_prager")), AllOf(HasSubstr("solid.model"), HasSubstr("in 3D")));
+  EXPECT_THAT(complaint(moving("elastic"), {"soil.0.poissons_ratio=0.1"}),
+              AllOf(HasSubstr("soil[0].poissons_ratio"), HasSubstr("0.2 or more")));
   // The soil's solver looks for the water behind a face on a plane.
   EXPECT_THAT(complaint(moving("elastic"), {"water_face.1.outlet=false", "water_face.1.head=1"}),
               AllOf(HasSubstr("water_face[1].within"), HasSubstr("'point' and 'normal'")));
+}
+
+/// A load on a part of a plane (3D): a rectangle on soil.
+TEST_F(Field, PartsOfALoadedPlaneLieOnSoil) {
+  const auto with = [](const std::string& keys) {
+    return changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"\nparticle_spacing = 0.4") +
+           "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nwater = \"none\"\n[[load]]\ntraction = [0, 0, -1000]\n" + keys;
+  };
+  const std::string crest = "point = [0, 0, 4]\nnormal = [0, 0, -1]\n";
+  EXPECT_EQ(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 3], max = [7.6, 2, 5] }\n")),
+            "no complaint");
+  EXPECT_THAT(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 3], max = [8.8, 2, 5] }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("does not lie along the load's plane at [8.")));
+  EXPECT_THAT(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 1], max = [7.6, 2, 2] }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("no part of the load's plane")));
+  EXPECT_THAT(complaint(with(crest + "within = { shape = \"ball\", centre = [7, 2, 4], radius = 1 }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("a box along the axes")));
+  EXPECT_THAT(complaint(with("point = [12, 0, 0]\nnormal = [-1, 0, -1]\nwithin = { shape = \"box\", min = [9, 1, 1], "
+                             "max = [10, 2, 3] }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("along an axis")));
 }
 
 TEST_F(Field, SectionsIn3DAreFlat) {

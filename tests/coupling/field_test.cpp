@@ -132,7 +132,10 @@ Case column_in_space() {
   Case scene = column();
   scene.general.dimension = 3;
   scene.general.gravity = Point3(0.0, 0.0, -9.81);
-  scene.soils[0].shape.max = Point3(width, width, height);
+  Soil& soil = scene.soils[0];
+  soil.shape.max = Point3(width, width, height);
+  soil.poissons_ratio = 0.2;  // the least that is allowed in 3D
+  soil.youngs_modulus = 0.9 * modulus;  // the constrained modulus is `modulus`
   scene.walls.clear();
   for (const auto& face :
        {plane(Point3::Zero(), Point3::UnitZ()), plane(Point3::Zero(), Point3::UnitX()),
@@ -188,6 +191,24 @@ TEST(FieldWithSoil, ConsolidatesAsTerzaghiInSpace) {
                 0.005);
     EXPECT_LT(coupled.report.windows, 150u);
   }
+}
+
+/// A load on a quarter of the column's top: at first the water at the base bears its mean over the section, and the force
+/// on the whole is the traction times the loaded area.
+TEST(FieldWithSoil, ALoadOnAPartOfAPlaneHasTheForceOfItsArea) {
+  Case scene = loaded_column_in_space(1e-3);
+  const double wide = 0.08;
+  scene.soils[0].shape.max = Point3(wide, wide, height);
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.walls[2].face.point.x() = wide;
+  scene.walls[4].face.point.y() = wide;
+  Shape part;
+  part.min = Point3(-1.0, -1.0, 0.9 * height);
+  part.max = Point3(0.5 * wide, 0.5 * wide, 1.1 * height);
+  scene.loads[0].face.within = part;
+  CoupledRun coupled;
+  run(coupled, scene, 1e-4);
+  EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), 0.25 * load, 0.01 * 0.25 * load);
 }
 
 /// The weight of a pond over saturated soil is borne by the water: the skeleton is neither compressed nor lifted.
