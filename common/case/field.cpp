@@ -200,7 +200,7 @@ class FieldChecks : Complaints {
            "with a field in 3D soil is rigid or elastic so far, found soil that can yield; expected \"elastic\" or "
            "\"rigid\", or fluid.representation = \"particles\"");
     for (std::size_t i = 0; dimension_ == 3 && i < scene_.soils.size(); ++i)
-      if (constexpr double least = 0.2; scene_.soils[i].poissons_ratio < least)
+      if (constexpr double least = 0.1; scene_.soils[i].poissons_ratio < least)
         fail(fmt::format("soil[{}].poissons_ratio", i),
              fmt::format("with a field in 3D expected {:g} or more, found {:g}: below it the soil's bulk modulus is so low against its "
                          "constrained one that water and soil do not come to agree",

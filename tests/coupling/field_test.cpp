@@ -134,8 +134,8 @@ Case column_in_space() {
   scene.general.gravity = Point3(0.0, 0.0, -9.81);
   Soil& soil = scene.soils[0];
   soil.shape.max = Point3(width, width, height);
-  soil.poissons_ratio = 0.2;  // the least that is allowed in 3D
-  soil.youngs_modulus = 0.9 * modulus;  // the constrained modulus is `modulus`
+  soil.poissons_ratio = 0.1;                        // the least that is allowed in 3D
+  soil.youngs_modulus = 1.1 * 0.8 / 0.9 * modulus;  // the constrained modulus is `modulus`
   scene.walls.clear();
   for (const auto& face :
        {plane(Point3::Zero(), Point3::UnitZ()), plane(Point3::Zero(), Point3::UnitX()),
@@ -199,6 +199,7 @@ TEST(FieldWithSoil, ALoadOnAPartOfAPlaneHasTheForceOfItsArea) {
   Case scene = loaded_column_in_space(1e-3);
   const double wide = 0.08;
   scene.soils[0].shape.max = Point3(wide, wide, height);
+  scene.soils[0].poissons_ratio = 0.0;  // the bulk modulus is a third of the constrained one
   scene.fluid.regions = {scene.soils[0].shape};
   scene.walls[2].face.point.x() = wide;
   scene.walls[4].face.point.y() = wide;
