@@ -364,7 +364,8 @@ class Maker {
     }
     const double p = up_.dot(face.a), q = up_.dot(face.b);
     const auto along = [&](Index i) { return stretch_.between(scene_, scene_.soils[net_.soil[i]], way); };
-    net_.links.push_back({a, b, face.length() / way.norm(), along(a), along(b), 0.5 * (face.a + face.b), std::min(p, q), std::max(p, q)});
+    net_.links.push_back({a, b, face.length() / way.norm(), along(a), along(b), 0.5 * (face.a + face.b), std::min(p, q),
+                          std::max(p, q)});
   }
 
   /// Adds the segments of a cell's side on the border: one for each part of the border with a face or rain.

@@ -56,9 +56,10 @@ struct Network {
   }
 };
 
-/// The network of a case, of cells that fit the soil's anisotropy (Stretch); in 3D make_network_3d(). In 2D points a spacing apart fill each soil (`fill`), cells are cut
-/// off at the soils' common border, and no link passes through a wall. Beside a corner where the soil goes around a
-/// notch, a cell loses what lies beyond the nearer side of the notch.
+/// The network of a case, of cells that fit the soil's anisotropy (Stretch); in 3D make_network_3d(). In 2D points a
+/// spacing apart fill each soil (`fill`), cells are cut off at the soils' common border, and no link passes through a
+/// wall. Beside a corner where the soil goes around a notch, a cell loses what lies beyond the nearer side of the
+/// notch.
 Network make_network(const Case& scene);
 /// The network of the same points of a 2D case at the positions `now` [m] to which the soil has carried them. drawn:
 /// make_network() of the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError

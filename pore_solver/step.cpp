@@ -133,9 +133,7 @@ void Stepper::link_full_points(const Skeleton& soil, const State& state) {
     return std::max(0.0, 1.0 - (1.0 - state.water[a] / state.pores[a]) / steps::air_in_full_soil);
   };
   // Square of a cell's width [m2] times the increase of its pores per volume of soil and metre of head.
-  const auto yields = [&](Index a) {
-    return space_ ? soil.give[a] / std::cbrt(network_.volume[a]) : soil.give[a];
-  };
+  const auto yields = [&](Index a) { return space_ ? soil.give[a] / std::cbrt(network_.volume[a]) : soil.give[a]; };
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
     const Link& link = network_.links[i];
     evens_[i] = 0.125 * link.transmissibility * (yields(link.a) + yields(link.b)) * full(link.a) * full(link.b);

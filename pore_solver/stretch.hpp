@@ -6,9 +6,9 @@
 namespace poretwin::pore {
 
 /// In coordinates S x with S = (K / k)^(-1/2), K the tensor of conductivity and k its value along the beds, soil is
-/// isotropic (Samsioe 1931). Voronoi cells made there have sides along which K grad h has no part if h changes along the
-/// side only, so that flow between two points is exact for a linear head at any arrangement of the points. Where soils
-/// differ in their anisotropy there are no such common coordinates; S is then the identity.
+/// isotropic (Samsioe 1931). Voronoi cells made there have sides along which K grad h has no part if h changes along
+/// the side only, so that flow between two points is exact for a linear head at any arrangement of the points. Where
+/// soils differ in their anisotropy there are no such common coordinates; S is then the identity.
 class Stretch {
  public:
   explicit Stretch(const Case& scene) {

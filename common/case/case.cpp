@@ -319,10 +319,11 @@ void declare(Keys& keys, Soil& s) {
                "Conductivity along the beds of the soil over that across them, k_h / k_v; with fluid.representation = "
                "\"field\"."},
               between(0.01, false, 100, false));
-  keys.point("bedding_normal", s.bedding_normal,
-             {"",
-              "Direction across the beds, of any length: in 2D [-sin a, cos a] for beds that rise at an angle a towards "
-              "+x. Absent: along gravity, for level beds."});
+  keys.point(
+      "bedding_normal", s.bedding_normal,
+      {"",
+       "Direction across the beds, of any length: in 2D [-sin a, cos a] for beds that rise at an angle a towards "
+       "+x. Absent: along gravity, for level beds."});
   for (const auto& law : porous::seepage_laws())
     for (const auto& p : law.parameters)
       keys.number(p.key, s.own_numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning},

@@ -56,8 +56,8 @@ struct Shape {
 struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
-  /// Water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that part. Of a
-  /// load in 3D: the part of the plane in this box.
+  /// Water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that part. Of
+  /// a load in 3D: the part of the plane in this box.
   std::optional<Shape> within;
 };
 

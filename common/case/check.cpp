@@ -8,9 +8,9 @@
 #include "common/case/materials.hpp"
 #include "common/case/plates.hpp"
 #include "common/case/unsupported.hpp"
-#include "common/geometry/flat_section.hpp"
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
+#include "common/geometry/flat_section.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
 #include "common/media/seepage.hpp"
@@ -981,8 +981,9 @@ class Checker : Complaints {
   }
 
   void flat_section(const Gauge& gauge, const std::string& key) const {
-    constexpr const char* expected = "in 3D a discharge is read of a face or well ('quantity'), or through a flat "
-                                     "section; expected 3 'points' or more, its corners in order";
+    constexpr const char* expected =
+        "in 3D a discharge is read of a face or well ('quantity'), or through a flat "
+        "section; expected 3 'points' or more, its corners in order";
     if (gauge.points.size() < 3) fail(key, fmt::format("{}, found {}", expected, gauge.points.size()));
     const FlatSection section(gauge.points);
     const double dx = scene_.fluid.particle_spacing;

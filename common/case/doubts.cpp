@@ -279,7 +279,8 @@ class Doubts : Complaints {
     const auto [lower, upper] = bounds(soil.shape);
     for (std::size_t j = 0; j < scene_.soils.size(); ++j) {
       const Soil& other = scene_.soils[j];
-      if (i == j || other.hydraulic_conductivity != soil.hydraulic_conductivity || other.anisotropy != soil.anisotropy || other.porosity != soil.porosity ||
+      if (i == j || other.hydraulic_conductivity != soil.hydraulic_conductivity ||
+          other.anisotropy != soil.anisotropy || other.porosity != soil.porosity ||
           other.youngs_modulus != soil.youngs_modulus)
         continue;
       const auto [low, high] = bounds(other.shape);
@@ -289,8 +290,8 @@ class Doubts : Complaints {
     return false;
   }
 
-  /// Faces of a field in 3D that end on flat ground or at an edge that turns inwards, beside soil without a face, and are
-  /// narrow there. The flow's velocity has no bound at such an end, and the discharge converges at first order.
+  /// Faces of a field in 3D that end on flat ground or at an edge that turns inwards, beside soil without a face, and
+  /// are narrow there. The flow's velocity has no bound at such an end, and the discharge converges at first order.
   void faces_that_end_in_soil() {
     const double dx = scene_.fluid.particle_spacing;
     if (!(dx > 0.0) || scene_.water_faces.empty()) return;
@@ -300,8 +301,8 @@ class Doubts : Complaints {
     VecArray<3> bare, bare_normals;
     std::vector<VecArray<3>> wet(scene_.water_faces.size()), normals(wet.size());
     for (const auto& place : surface.places(dx)) {
-      bool covered = std::ranges::any_of(
-          scene_.rains, [&](const Rain& rain) { return lies_along(rain.face, place, beside * dx); });
+      bool covered = std::ranges::any_of(scene_.rains,
+                                         [&](const Rain& rain) { return lies_along(rain.face, place, beside * dx); });
       for (std::size_t i = 0; i < wet.size(); ++i) {
         if (!lies_along(scene_.water_faces[i].face, place, beside * dx)) continue;
         covered = true;
@@ -313,8 +314,8 @@ class Doubts : Complaints {
       bare_normals.push_back(place.outwards);
     }
     if (bare.empty()) return;
-    // A strip narrower than half a spacing, as faces often leave beside a plane of symmetry, is none to the cells: there
-    // the surface goes on without the face in two directions only.
+    // A strip narrower than half a spacing, as faces often leave beside a plane of symmetry, is none to the cells:
+    // there the surface goes on without the face in two directions only.
     const auto goes_on = [&](const SoilSurface::Place& from, const Face& face) {
       const Point3 u = from.outwards.unitOrthogonal(), v = from.outwards.cross(u);
       constexpr int directions = 8, enough = 3;
@@ -361,10 +362,11 @@ class Doubts : Complaints {
       }
       if (half >= wide * dx) continue;
       doubt(fmt::format("water_face[{}]", i),
-            fmt::format("ends on the surface of soil without a face, near {} m, and is {:.2g} spacings wide from its middle "
-                        "to its end: the flow has no bound there, and its discharge may be too low (14 % with 4 spacings, "
-                        "11 % with 6, as measured at the base of a pit); refine, or compare two spacings",
-                        shown(ends.front()), half / dx));
+            fmt::format(
+                "ends on the surface of soil without a face, near {} m, and is {:.2g} spacings wide from its middle "
+                "to its end: the flow has no bound there, and its discharge may be too low (14 % with 4 spacings, "
+                "11 % with 6, as measured at the base of a pit); refine, or compare two spacings",
+                shown(ends.front()), half / dx));
     }
   }
 

@@ -202,7 +202,8 @@ class FieldChecks : Complaints {
     for (std::size_t i = 0; dimension_ == 3 && i < scene_.soils.size(); ++i)
       if (constexpr double least = 0.1; scene_.soils[i].poissons_ratio < least)
         fail(fmt::format("soil[{}].poissons_ratio", i),
-             fmt::format("with a field in 3D expected {:g} or more, found {:g}: below it the soil's bulk modulus is so low against its "
+             fmt::format("with a field in 3D expected {:g} or more, found {:g}: below it the soil's bulk modulus is so "
+                         "low against its "
                          "constrained one that water and soil do not come to agree",
                          least, scene_.soils[i].poissons_ratio));
     if (scene_.can_yield() && !scene_.rains.empty())
@@ -251,8 +252,9 @@ class FieldChecks : Complaints {
   void beds(const Soil& soil, const std::string& key) const {
     if (!porous::is_anisotropic(soil)) {
       if (!soil.bedding_normal.isZero())
-        fail(key + ".bedding_normal", "has no effect without 'anisotropy', the conductivity along the beds over that "
-                                      "across them; expected both or neither");
+        fail(key + ".bedding_normal",
+             "has no effect without 'anisotropy', the conductivity along the beds over that "
+             "across them; expected both or neither");
       return;
     }
     const Point3 normal = porous::across_beds(scene_, soil);
@@ -265,7 +267,8 @@ class FieldChecks : Complaints {
         "with the same 'anisotropy' and 'bedding_normal', or ";
     constexpr double along_axis = 1.0 - 1e-9;
     if (normal.cwiseAbs().maxCoeff() < along_axis)
-      fail(key + ".bedding_normal", fmt::format("{}a normal along a coordinate axis, found {}", otherwise, shown(normal)));
+      fail(key + ".bedding_normal",
+           fmt::format("{}a normal along a coordinate axis, found {}", otherwise, shown(normal)));
     const bool moves = scene_.deformable();
     if ((moves ? scene_.solid.jitter : scene_.fluid.jitter) != 0.0)
       fail(key + ".anisotropy", fmt::format("{}no jitter", otherwise));
@@ -552,10 +555,11 @@ class FieldChecks : Complaints {
         const Point3 axis = well.points.back() - well.points.front(), normal = porous::across_beds(scene_, soil);
         constexpr double parallel = 1e-6;
         if (dimension_ == 2 || !(axis.cross(normal).norm() < parallel * axis.norm()))
-          fail(key + ".points",
-               fmt::format("in anisotropic soil a well must stand across the beds (3D), so that water flows to it along "
-                           "them from all sides; expected a screen in the direction {}, found soil[{}].anisotropy = {}",
-                           shown(normal), s, soil.anisotropy));
+          fail(
+              key + ".points",
+              fmt::format("in anisotropic soil a well must stand across the beds (3D), so that water flows to it along "
+                          "them from all sides; expected a screen in the direction {}, found soil[{}].anisotropy = {}",
+                          shown(normal), s, soil.anisotropy));
       }
       if (scene_.can_yield())
         fail(key, "in soil that can yield a well would have to move with it; expected soil that is rigid or elastic");

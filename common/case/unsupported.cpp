@@ -335,8 +335,8 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses a part of a plane that is not a rectangle along the axes, or where soil does not lie all along it: the force
-  /// is the traction times the area.
+  /// Refuses a part of a plane that is not a rectangle along the axes, or where soil does not lie all along it: the
+  /// force is the traction times the area.
   void part_of_plane(const Face& f, const std::string& key) const {
     const double dx = scene_.solid.particle_spacing;
     if (d_ != 3) fail(key, "belongs to dimension = 3; expected 'points', a line");

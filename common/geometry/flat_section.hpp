@@ -48,7 +48,8 @@ class FlatSection {
     bool inside = false;
     for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
       const Point3 &c = corners_[i], &d = corners_[j];
-      if ((c[v] > x[v]) != (d[v] > x[v]) && x[u] < c[u] + (x[v] - c[v]) / (d[v] - c[v]) * (d[u] - c[u])) inside = !inside;
+      if ((c[v] > x[v]) != (d[v] > x[v]) && x[u] < c[u] + (x[v] - c[v]) / (d[v] - c[v]) * (d[u] - c[u]))
+        inside = !inside;
     }
     return inside;
   }

@@ -10,8 +10,8 @@ namespace poretwin {
 
 /// A rectangle along the axes.
 struct LoadedPart {
-  int across = 0;              ///< axis of the plane's normal
-  std::array<int, 2> axes{};   ///< axes of the rectangle's sides
+  int across = 0;                                      ///< axis of the plane's normal
+  std::array<int, 2> axes{};                           ///< axes of the rectangle's sides
   Point3 low = Point3::Zero(), high = Point3::Zero();  ///< m, corners on the plane
   [[nodiscard]] double area() const {                  ///< m2
     return std::max(0.0, high[axes[0]] - low[axes[0]]) * std::max(0.0, high[axes[1]] - low[axes[1]]);

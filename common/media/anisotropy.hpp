@@ -11,7 +11,8 @@ namespace poretwin::porous {
 /// Whether a soil conducts differently along its beds and across them.
 inline bool is_anisotropic(const Soil& soil) { return soil.anisotropy != 1.0; }
 
-/// Direction across the beds of a soil, of length 1: as the case gives it, or along gravity; zero where there is neither.
+/// Direction across the beds of a soil, of length 1: as the case gives it, or along gravity; zero where there is
+/// neither.
 inline Point3 across_beds(const Case& scene, const Soil& soil) {
   return soil.bedding_normal.isZero() ? Point3(-scene.general.gravity.normalized()) : soil.bedding_normal.normalized();
 }

@@ -240,7 +240,8 @@ TEST_F(Field, In3DMovesWithElasticSoilOnly) {
 TEST_F(Field, PartsOfALoadedPlaneLieOnSoil) {
   const auto with = [](const std::string& keys) {
     return changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"\nparticle_spacing = 0.4") +
-           "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nwater = \"none\"\n[[load]]\ntraction = [0, 0, -1000]\n" + keys;
+           "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nwater = \"none\"\n[[load]]\ntraction = [0, 0, -1000]\n" +
+           keys;
   };
   const std::string crest = "point = [0, 0, 4]\nnormal = [0, 0, -1]\n";
   EXPECT_EQ(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 3], max = [7.6, 2, 5] }\n")),

@@ -137,10 +137,9 @@ Case column_in_space() {
   soil.poissons_ratio = 0.1;                        // the least that is allowed in 3D
   soil.youngs_modulus = 1.1 * 0.8 / 0.9 * modulus;  // the constrained modulus is `modulus`
   scene.walls.clear();
-  for (const auto& face :
-       {plane(Point3::Zero(), Point3::UnitZ()), plane(Point3::Zero(), Point3::UnitX()),
-        plane(Point3(width, 0.0, 0.0), -Point3::UnitX()), plane(Point3::Zero(), Point3::UnitY()),
-        plane(Point3(0.0, width, 0.0), -Point3::UnitY())}) {
+  for (const auto& face : {plane(Point3::Zero(), Point3::UnitZ()), plane(Point3::Zero(), Point3::UnitX()),
+                           plane(Point3(width, 0.0, 0.0), -Point3::UnitX()), plane(Point3::Zero(), Point3::UnitY()),
+                           plane(Point3(0.0, width, 0.0), -Point3::UnitY())}) {
     Wall wall;
     wall.face = face;
     scene.walls.push_back(wall);
@@ -193,8 +192,8 @@ TEST(FieldWithSoil, ConsolidatesAsTerzaghiInSpace) {
   }
 }
 
-/// A load on a quarter of the column's top: at first the water at the base bears its mean over the section, and the force
-/// on the whole is the traction times the loaded area.
+/// A load on a quarter of the column's top: at first the water at the base bears its mean over the section, and the
+/// force on the whole is the traction times the loaded area.
 TEST(FieldWithSoil, ALoadOnAPartOfAPlaneHasTheForceOfItsArea) {
   Case scene = loaded_column_in_space(1e-3);
   const double wide = 0.08;

@@ -84,8 +84,8 @@ TEST(Anisotropy, FlowAlongAndAcrossInclinedBedsIsExactOnDisorderedPoints) {
     }
 }
 
-/// Root mean square error of -div(K grad u) = f on a unit square, K = 10 along beds that rise at 30 degrees and 1 across
-/// them, u = cos(pi x) cos(pi y) prescribed along a rim of 0.15 m.
+/// Root mean square error of -div(K grad u) = f on a unit square, K = 10 along beds that rise at 30 degrees and 1
+/// across them, u = cos(pi x) cos(pi y) prescribed along a rim of 0.15 m.
 double poisson_error(int rows, double jitter) {
   Soil soil = bedded(turned(0.0, 1.0, 30.0));
   Case scene = scene_of(soil, box(0.0, 0.0, 1.0, 1.0), 1.0 / rows, 1.0);
@@ -146,9 +146,9 @@ double elliptic(double m) {
 }
 
 /// Discharge under a dam with a flat, impermeable base of width 2 b on a layer of depth T between heads: with the head
-/// difference H it is k H K(m') / (2 K(m)), m = tanh(pi b / (2 T)), m' = sqrt(1 - m^2) (Pavlovsky 1922). In beds lengths
-/// along them are divided by sqrt(k_h / k_v), and k is sqrt(k_h k_v). Half of the layer is computed; under the middle of
-/// the dam the head is the mean of both.
+/// difference H it is k H K(m') / (2 K(m)), m = tanh(pi b / (2 T)), m' = sqrt(1 - m^2) (Pavlovsky 1922). In beds
+/// lengths along them are divided by sqrt(k_h / k_v), and k is sqrt(k_h k_v). Half of the layer is computed; under the
+/// middle of the dam the head is the mean of both.
 TEST(Anisotropy, SeepageUnderADamFollowsPavlovskyInStretchedCoordinates) {
   const double dx = 0.05, b = 2.0, depth = 2.0, stretch = std::sqrt(ratio), far = b + 2.5 * depth * stretch;
   Case scene = scene_of(bedded(), box(0.0, 0.0, far, depth), dx, 1e5);

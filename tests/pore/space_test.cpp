@@ -260,13 +260,14 @@ TEST(PoreWaterInSpace, SectionsReadTheDischargeThroughThem) {
   scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, 0}), 3.0), head_face(plane({1, 0, 0}, {-1, 0, 0}), 2.0)};
   scene.fluid.initial_water_table = 2.0;
   const auto section = [](const char* name, std::vector<Point3> corners) { return gauge(name, "discharge", corners); };
-  scene.gauges = {section("across", {{0.5, -1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, -1, 1}}),
-                  section("turned", {{0.5, -1, 1}, {0.5, 1, 1}, {0.5, 1, -1}, {0.5, -1, -1}}),
-                  section("inclined", {{0.1, -1, -0.2}, {0.1, 1, -0.2}, {0.9, 1, 0.6}, {0.9, -1, 0.6}}),
-                  section("left", {{0.5, -1, -1}, {0.5, 0.1, -1}, {0.5, 0.1, 1}, {0.5, -1, 1}}),
-                  section("right", {{0.5, 0.1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, 0.1, 1}}),
-                  section("along", {{0, 0, 0.2}, {1, 0, 0.2}, {1, 0.4, 0.2}, {0, 0.4, 0.2}}),
-                  section("l", {{0.55, -1, -1}, {0.55, 1, -1}, {0.55, 1, 0.1}, {0.55, 0.2, 0.1}, {0.55, 0.2, 1}, {0.55, -1, 1}})};
+  scene.gauges = {
+      section("across", {{0.5, -1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, -1, 1}}),
+      section("turned", {{0.5, -1, 1}, {0.5, 1, 1}, {0.5, 1, -1}, {0.5, -1, -1}}),
+      section("inclined", {{0.1, -1, -0.2}, {0.1, 1, -0.2}, {0.9, 1, 0.6}, {0.9, -1, 0.6}}),
+      section("left", {{0.5, -1, -1}, {0.5, 0.1, -1}, {0.5, 0.1, 1}, {0.5, -1, 1}}),
+      section("right", {{0.5, 0.1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, 0.1, 1}}),
+      section("along", {{0, 0, 0.2}, {1, 0, 0.2}, {1, 0.4, 0.2}, {0, 0.4, 0.2}}),
+      section("l", {{0.55, -1, -1}, {0.55, 1, -1}, {0.55, 1, 0.1}, {0.55, 0.2, 0.1}, {0.55, 0.2, 1}, {0.55, -1, 1}})};
   PoreWater water(scene);
   run_to(water, 1e5);
   EXPECT_NEAR(reading(water, "across"), q, 1e-6 * q);
