@@ -93,14 +93,15 @@ Flow CapillaryFlow::through(const Link& link) const {
   double mean = 0.0;
   if (network_.soil[a] == network_.soil[b]) {
     f = between(at_[a], at_[b], mean);
-    const double kt = conductivity(a, b) * link.transmissibility;
+    const double kt = conductivity(link) * link.transmissibility;
     f = {kt * f.value, kt * f.by_a, kt * f.by_b};
   } else {
     const Ground &ga = ground(a), &gb = ground(b);
     double other_mean = 0.0;
     const Flow by_a = between(at_[a], water(ga, at_[b].head, at_[b].elevation), mean);
     const Flow by_b = between(water(gb, at_[a].head, at_[a].elevation), at_[b], other_mean);
-    const double ka = conductivity(a) * link.transmissibility, kb = conductivity(b) * link.transmissibility;
+    const double ka = link.of_a * conductivity(a) * link.transmissibility,
+                 kb = link.of_b * conductivity(b) * link.transmissibility;
     // Both flows have the sign of the fall of the head. At rest their ratio is that of the conductivities.
     double first = ka * std::abs(by_a.value), second = kb * std::abs(by_b.value);
     if (!(first + second > 1e-12 * (ka * mean + kb * other_mean))) {
@@ -121,7 +122,7 @@ Inflow CapillaryFlow::from(const Segment& segment, double head, double elevation
   const Ground& g = ground(a);
   double mean = 0.0;
   const Flow f = between(water(g, head, elevation), at_[a], mean);
-  const double kt = conductivity(a) * segment.transmissibility;
+  const double kt = conductance(segment);
   return {kt * f.value, kt * f.by_b * per_variable_[a]};
 }
 

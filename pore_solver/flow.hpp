@@ -89,9 +89,13 @@ class FlowModel {
  protected:
   [[nodiscard]] double conductivity(Index a) const { return pores_.conductivity[a]; }
   /// Conductivity of the way between two points: of its two halves in series.
-  [[nodiscard]] double conductivity(Index a, Index b) const {
-    const double ka = conductivity(a), kb = conductivity(b);
+  [[nodiscard]] double conductivity(const Link& link) const {
+    const double ka = link.of_a * conductivity(link.a), kb = link.of_b * conductivity(link.b);
     return ka == kb ? ka : 2.0 * ka * kb / (ka + kb);
+  }
+  /// Conductivity across the border times the transmissibility of a segment, m2/s (2D: m/s).
+  [[nodiscard]] double conductance(const Segment& segment) const {
+    return segment.across * conductivity(segment.point) * segment.transmissibility;
   }
 
  private:

@@ -6,6 +6,7 @@
 #include "common/geometry/shapes.hpp"
 #include "pore_solver/cell_sides.hpp"
 #include "pore_solver/network_3d.hpp"
+#include "pore_solver/stretch.hpp"
 #include "pore_solver/wells.hpp"
 
 #include <fmt/format.h>
@@ -142,10 +143,13 @@ struct CellSide {
 constexpr int first_line = -100;
 int beyond_line(std::size_t line) { return first_line - static_cast<int>(line); }
 
-std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
+std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell, const Stretch& stretch) {
   std::vector<CellSide> sides;
   for_each_side(cell, [&](int beyond, std::vector<Point3>& corners) {
-    for (Point3& x : corners) x.z() = 0.0;
+    for (Point3& x : corners) {
+      x.z() = 0.0;
+      x = stretch.from(x);
+    }
     // The two ends of the side are the corners that are farthest apart.
     Piece piece{corners[0], corners[0]};
     for (const Point3& x : corners)
@@ -178,6 +182,7 @@ class Maker {
       : scene_(scene),
         up_(-scene.general.gravity.normalized()),
         spacing_(scene.fluid.particle_spacing),
+        stretch_(scene),
         border_(scene) {}
 
   Network make() {
@@ -198,22 +203,29 @@ class Maker {
  private:
   Network connect() {
     std::set<std::pair<Index, Index>> seen;
-    // The container's unit is the spacing, and it is one spacing thick.
+    // The container's unit is the spacing, and it is one spacing thick. Cells are made in stretched space.
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
     for (const auto& part : border_.parts()) {
       lower = lower.cwiseMin(part.piece.a);
       upper = upper.cwiseMax(part.piece.a);
     }
     origin_ = lower;
-    const Point3 size = (upper - lower) / spacing_;
+    Point3 low = Point3::Zero(), high = low;
+    for (const double x : {0.0, upper.x() - lower.x()})
+      for (const double y : {0.0, upper.y() - lower.y()}) {
+        const Point3 corner = stretch_.to(Point3(x, y, 0.0) / spacing_);
+        low = low.cwiseMin(corner);
+        high = high.cwiseMax(corner);
+      }
+    const Point3 size = high - low;
     constexpr double points_a_block = 5.0;
     const auto blocks = [&](double length) {
       return std::max(1, static_cast<int>(length / std::sqrt(points_a_block)));
     };
-    voro::container box(-1.0, size.x() + 1.0, -1.0, size.y() + 1.0, -0.5, 0.5, blocks(size.x()), blocks(size.y()), 1,
-                        false, false, false, 8);
+    voro::container box(low.x() - 1.0, high.x() + 1.0, low.y() - 1.0, high.y() + 1.0, -0.5, 0.5, blocks(size.x()),
+                        blocks(size.y()), 1, false, false, false, 8);
     for (std::size_t i = 0; i < net_.size(); ++i) {
-      const Point3 x = local(net_.position[i]);
+      const Point3 x = stretch_.to(local(net_.position[i]));
       box.put(static_cast<int>(i), x.x(), x.y(), 0.0);
     }
     voro::c_loop_all loop(box);
@@ -279,25 +291,25 @@ class Maker {
     const auto relative = [&](const Piece& piece) { return Piece{local(piece.a) - x, local(piece.b) - x}; };
     // The cell is cut at the nearest parts of the border first: then parts beyond these do not reach it any more.
     std::vector<std::pair<double, const BorderPart*>> near;
-    const double reach = std::sqrt(cell.max_radius_squared());
+    const double reach = std::sqrt(cell.max_radius_squared()) / stretch_.least();
     for (const auto& part : border_.parts())
       if (const double distance = distance_from(relative(part.piece), Point3::Zero()); distance < reach)
         near.emplace_back(distance, &part);
     std::stable_sort(near.begin(), near.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
-    auto sides = sides_of(cell);
+    auto sides = sides_of(cell, stretch_);
     std::set<std::size_t> cut;
     for (const auto& [distance, part] : near) {
       const Piece piece = relative(part->piece);
       if (cut.contains(part->line) || !enters(sides, piece)) continue;
       const Point3 outwards = -piece.left();
       const double deep = outwards.dot(piece.a);
-      if (!(deep > tiny) ||
-          !cell.nplane(2.0 * deep * outwards.x(), 2.0 * deep * outwards.y(), 0.0, beyond_line(part->line)))
+      const Point3 image = stretch_.to_image(outwards, deep);
+      if (!(deep > tiny) || !cell.nplane(image.x(), image.y(), 0.0, beyond_line(part->line)))
         throw CaseError(fmt::format("{}: a point of soil lies on the soil's border", scene_.path.string()));
       cut.insert(part->line);
-      sides = sides_of(cell);
+      sides = sides_of(cell, stretch_);
     }
-    net_.volume[a] = cell.volume() * spacing_ * spacing_;
+    net_.volume[a] = cell.volume() * spacing_ * spacing_ / stretch_.growth();
     filling_[a] = filling(x, sides);
     for (const auto& side : sides) {
       const Piece piece{net_.position[a] + spacing_ * side.piece.a, net_.position[a] + spacing_ * side.piece.b};
@@ -351,7 +363,9 @@ class Maker {
         if (const auto met = distance_to(piece, net_.position[a], way.normalized()); met && *met < way.norm()) return;
     }
     const double p = up_.dot(face.a), q = up_.dot(face.b);
-    net_.links.push_back({a, b, face.length() / way.norm(), 0.5 * (face.a + face.b), std::min(p, q), std::max(p, q)});
+    const auto along = [&](Index i) { return stretch_.between(scene_, scene_.soils[net_.soil[i]], way); };
+    net_.links.push_back({a, b, face.length() / way.norm(), along(a), along(b), 0.5 * (face.a + face.b), std::min(p, q),
+                          std::max(p, q)});
   }
 
   /// Adds the segments of a cell's side on the border: one for each part of the border with a face or rain.
@@ -375,6 +389,7 @@ class Maker {
       s.area = to - from;
       s.level_area = s.area * std::max(0.0, -up_.dot(part.piece.left()));
       s.transmissibility = s.area / part.piece.left().dot(net_.position[a] - part.piece.a);
+      s.across = Stretch::through(scene_, scene_.soils[net_.soil[a]], part.piece.left());
       s.centre = 0.5 * (first + last);
       s.low = std::min(up_.dot(first), up_.dot(last));
       s.high = std::max(up_.dot(first), up_.dot(last));
@@ -385,6 +400,7 @@ class Maker {
   const Case& scene_;
   Point3 up_;
   double spacing_;
+  Stretch stretch_;
   Border border_;
   bool moved_ = false;
   Point3 origin_ = Point3::Zero();

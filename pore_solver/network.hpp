@@ -15,6 +15,7 @@ namespace poretwin::pore {
 struct Link {
   Index a = 0, b = 0;
   double transmissibility = 0.0;  ///< area of the common face over the distance between the points, m (2D: 1)
+  double of_a = 1.0, of_b = 1.0;  ///< conductivity of each point's soil in this direction over that along its beds
   Point3 centre = Point3::Zero();  ///< m, centre of the common face
   double low = 0.0, high = 0.0;   ///< m, elevations of the face's lowest and highest corners
 };
@@ -29,6 +30,7 @@ struct Segment {
   double level_area = 0.0;               ///< m2 (2D: m), area of its horizontal projection
   double transmissibility = 0.0;         ///< m (2D: 1), area over the distance from the point to the border; of a
                                          ///< screen: add_wells()
+  double across = 1.0;                   ///< conductivity of the soil across the border over that along its beds
   Point3 centre = Point3::Zero();        ///< m
   double low = 0.0, high = 0.0;          ///< m, elevations of its lowest and highest point
 };
@@ -54,9 +56,10 @@ struct Network {
   }
 };
 
-/// The network of a case; in 3D make_network_3d(). In 2D points a spacing apart fill each soil (`fill`), cells are cut
-/// off at the soils' common border, and no link passes through a wall. Beside a corner where the soil goes around a
-/// notch, a cell loses what lies beyond the nearer side of the notch.
+/// The network of a case, of cells that fit the soil's anisotropy (Stretch); in 3D make_network_3d(). In 2D points a
+/// spacing apart fill each soil (`fill`), cells are cut off at the soils' common border, and no link passes through a
+/// wall. Beside a corner where the soil goes around a notch, a cell loses what lies beyond the nearer side of the
+/// notch.
 Network make_network(const Case& scene);
 /// The network of the same points of a 2D case at the positions `now` [m] to which the soil has carried them. drawn:
 /// make_network() of the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError

@@ -6,6 +6,7 @@
 #include "common/geometry/solid.hpp"
 #include "pore_solver/cell_sides.hpp"
 #include "pore_solver/polygon.hpp"
+#include "pore_solver/stretch.hpp"
 
 #include <fmt/format.h>
 
@@ -34,9 +35,10 @@ struct CellSide {
 constexpr int first_facet = -100;
 int beyond_facet(Index facet) { return first_facet - static_cast<int>(facet); }
 
-std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
+std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell, const Stretch& stretch) {
   std::vector<CellSide> sides;
-  for_each_side(cell, [&](int beyond, const Polygon& corners) {
+  for_each_side(cell, [&](int beyond, Polygon& corners) {
+    for (Point3& x : corners) x = stretch.from(x);
     const Measure m = measure(corners);
     if (m.area < tiny) return;
     // The cell is convex and its point lies inside.
@@ -90,11 +92,12 @@ class Maker {
       : scene_(scene),
         up_(-scene.general.gravity.normalized()),
         spacing_(scene.fluid.particle_spacing),
+        stretch_(scene),
         surface_(scene, spacing_) {}
 
   Network make() {
     place_points();
-    // The container's unit is the spacing.
+    // The container's unit is the spacing. Cells are made in stretched space.
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
     for (const auto& soil : scene_.soils) {
       const auto [low, high] = bounds(soil.shape);
@@ -102,15 +105,23 @@ class Maker {
       upper = upper.cwiseMax(high);
     }
     origin_ = lower;
-    const Point3 size = (upper - lower) / spacing_;
+    Point3 low = Point3::Zero(), high = low;
+    for (int corner = 0; corner < 8; ++corner) {
+      Point3 x = Point3::Zero();
+      for (int d = 0; d < 3; ++d)
+        if ((corner >> d) & 1) x[d] = (upper[d] - lower[d]) / spacing_;
+      low = low.cwiseMin(stretch_.to(x));
+      high = high.cwiseMax(stretch_.to(x));
+    }
+    const Point3 size = high - low;
     constexpr double points_a_block = 5.0;  // near the fastest of voro++
     const auto blocks = [&](double length) {
       return std::max(1, static_cast<int>(length / std::cbrt(points_a_block)));
     };
-    voro::container box(-1.0, size.x() + 1.0, -1.0, size.y() + 1.0, -1.0, size.z() + 1.0, blocks(size.x()),
-                        blocks(size.y()), blocks(size.z()), false, false, false, 8);
+    voro::container box(low.x() - 1.0, high.x() + 1.0, low.y() - 1.0, high.y() + 1.0, low.z() - 1.0, high.z() + 1.0,
+                        blocks(size.x()), blocks(size.y()), blocks(size.z()), false, false, false, 8);
     for (std::size_t i = 0; i < net_.size(); ++i) {
-      const Point3 x = local(net_.position[i]);
+      const Point3 x = stretch_.to(local(net_.position[i]));
       box.put(static_cast<int>(i), x.x(), x.y(), x.z());
     }
     voro::c_loop_all loop(box);
@@ -139,6 +150,9 @@ class Maker {
   [[nodiscard]] std::vector<Point3> points_of(std::size_t s) const {
     const Shape& shape = scene_.soils[s].shape;
     const auto& f = scene_.fluid;
+    const auto& moving = scene_.solid;
+    if (scene_.deformable())  // the points are the soil's particles
+      return lay<3>(shape, spacing_, moving.offset, moving.jitter, moving.seed + static_cast<unsigned>(s)).position;
     const unsigned seed = f.seed + static_cast<unsigned>(s);
     if (!is_packed(shape)) return fill<3>(shape, spacing_, f.offset, f.jitter, seed).position;
     Shape around;
@@ -182,12 +196,12 @@ class Maker {
     const Point3 x = net_.position[a];
     // The cell is cut at the nearest facets first: then facets behind these do not reach it any more.
     std::vector<TriangleMesh::Nearest> near;
-    surface_.facets().for_each_near(x, std::sqrt(cell.max_radius_squared()) * spacing_,
+    surface_.facets().for_each_near(x, std::sqrt(cell.max_radius_squared()) / stretch_.least() * spacing_,
                                     [&](const TriangleMesh::Nearest& n) { near.push_back(n); });
     std::sort(near.begin(), near.end(), [](const auto& p, const auto& q) {
       return std::tie(p.distance, p.facet) < std::tie(q.distance, q.facet);
     });
-    auto sides = sides_of(cell);
+    auto sides = sides_of(cell, stretch_);
     // A cell that is still open reaches beyond the soil, where parts of facets are no border. Facets that are border
     // all over the cell cut it first, the others by what is left of it.
     for (const auto& [share, n] : in_two_passes(near)) {
@@ -202,10 +216,10 @@ class Maker {
       if (part_within(sides, std::move(facet)).empty()) continue;
       voro::voronoicell_neighbor rest;  // its copy constructor would share memory
       rest = cell;
-      if (!(deep > tiny) || !rest.nplane(2.0 * deep * outwards.x(), 2.0 * deep * outwards.y(),
-                                         2.0 * deep * outwards.z(), beyond_facet(n.facet)))
+      const Point3 image = stretch_.to_image(outwards, deep);
+      if (!(deep > tiny) || !rest.nplane(image.x(), image.y(), image.z(), beyond_facet(n.facet)))
         throw CaseError(fmt::format("{}: a point of soil lies on the soil's border", scene_.path.string()));
-      auto left = sides_of(rest);
+      auto left = sides_of(rest, stretch_);
       const auto section = std::find_if(left.begin(), left.end(),
                                         [&](const CellSide& side) { return side.beyond == beyond_facet(n.facet); });
       if (section == left.end()) continue;
@@ -213,7 +227,7 @@ class Maker {
       cell = rest;
       sides = std::move(left);
     }
-    net_.volume[a] = cell.volume() * spacing_ * spacing_ * spacing_;
+    net_.volume[a] = cell.volume() * spacing_ * spacing_ * spacing_ / stretch_.growth();
     filling_[a] = filling(x, sides);
     for (const auto& side : sides) {
       if (side.beyond <= first_facet)
@@ -301,11 +315,12 @@ class Maker {
 
   void link(Index a, Index b, const CellSide& side) {
     const Point3 x = net_.position[a];
-    const double way = (net_.position[b] - x).norm();
+    const Point3 way = net_.position[b] - x;
+    const auto along = [&](Index i) { return stretch_.between(scene_, scene_.soils[net_.soil[i]], way); };
     const auto [low, high] = extent(side.corners);
     const double z = up_.dot(x);
-    net_.links.push_back({a, b, side.area * spacing_ * spacing_ / way, x + spacing_ * side.centre, z + spacing_ * low,
-                          z + spacing_ * high});
+    net_.links.push_back({a, b, side.area * spacing_ * spacing_ / way.norm(), along(a), along(b),
+                          x + spacing_ * side.centre, z + spacing_ * low, z + spacing_ * high});
   }
 
   /// Adds the segments of a cell's side on the border: one for each combination of a face and a rain along it.
@@ -373,12 +388,14 @@ class Maker {
       Segment& s = net_.segments[i];
       s.level_area = s.area * std::max(0.0, up_.dot(side.outwards));
       s.transmissibility = s.area / (spacing_ * side.deep);
+      s.across = Stretch::through(scene_, scene_.soils[net_.soil[a]], side.outwards);
     }
   }
 
   const Case& scene_;
   Point3 up_;
   double spacing_;
+  Stretch stretch_;
   SoilSurface surface_;
   Point3 origin_ = Point3::Zero();
   Network net_;

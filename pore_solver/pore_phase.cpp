@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "common/coupling/standard_contract.hpp"
+#include "common/media/predicted_modulus.hpp"
 #include "common/media/seepage.hpp"
 #include "pore_solver/numerics/steps.hpp"
 
@@ -122,7 +123,11 @@ void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
   s.give.assign(n, 0.0);
   const double weight = porous::specific_weight(scene_);
   for (std::size_t a = 0; a < n && scene_.predicts(); ++a)
-    if (modulus[a] > 0.0) s.give[a] = drawn_network_.volume[a] * weight / modulus[a];
+    if (modulus[a] > 0.0) {
+      const double ratio = scene_.soils[network_.soil[a]].poissons_ratio;
+      s.give[a] = drawn_network_.volume[a] * weight /
+                  (modulus[a] * porous::predicted_modulus(ratio, scene_.general.dimension, pass > 0));
+    }
 }
 
 void PoreWater::link() {

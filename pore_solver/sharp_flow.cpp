@@ -57,19 +57,19 @@ Content SharpFlow::borne_head(Index a) const {
 }
 
 Flow SharpFlow::through(const Link& link) const {
-  const double kt = conductivity(link.a, link.b) * link.transmissibility;
+  const double kt = conductivity(link) * link.transmissibility;
   const Inflow a = depth_in(link.a, link.low, link.high), b = depth_in(link.b, link.low, link.high);
   return {kt * (a.value - b.value), kt * a.slope, -kt * b.slope};
 }
 
 Inflow SharpFlow::below_level(const Segment& segment, double level) const {
-  const double kt = conductivity(segment.point) * segment.transmissibility;
+  const double kt = conductance(segment);
   const Inflow inside = depth_in(segment.point, segment.low, segment.high);
   return {kt * (mean_depth(level, segment.low, segment.high).value - inside.value), -kt * inside.slope};
 }
 
 Inflow SharpFlow::at_head(const Segment& segment, double pressure_head) const {
-  const double kt = conductivity(segment.point) * segment.transmissibility;
+  const double kt = conductance(segment);
   const Inflow inside = depth_in(segment.point, segment.low, segment.high);
   const double outside = weightless_ ? pressure_head : std::max(pressure_head, 0.0);
   return {kt * (outside - inside.value), -kt * inside.slope};

@@ -12,7 +12,10 @@
 namespace poretwin::pore {
 
 Stepper::Stepper(const Case& scene, const Network& network)
-    : network_(network), spacing_(scene.fluid.particle_spacing), flow_(make_flow_model(scene, network)) {
+    : network_(network),
+      spacing_(scene.fluid.particle_spacing),
+      space_(scene.general.dimension == 3),
+      flow_(make_flow_model(scene, network)) {
   // Boundaries of single faces and rains come first: their indices stay the same when a network is made anew.
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
     boundaries_.push_back({f, Segment::none, make_boundary(scene, f, Segment::none)});
@@ -129,9 +132,11 @@ void Stepper::link_full_points(const Skeleton& soil, const State& state) {
   const auto full = [&](Index a) {
     return std::max(0.0, 1.0 - (1.0 - state.water[a] / state.pores[a]) / steps::air_in_full_soil);
   };
+  // Square of a cell's width [m2] times the increase of its pores per volume of soil and metre of head.
+  const auto yields = [&](Index a) { return space_ ? soil.give[a] / std::cbrt(network_.volume[a]) : soil.give[a]; };
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
     const Link& link = network_.links[i];
-    evens_[i] = 0.125 * link.transmissibility * (soil.give[link.a] + soil.give[link.b]) * full(link.a) * full(link.b);
+    evens_[i] = 0.125 * link.transmissibility * (yields(link.a) + yields(link.b)) * full(link.a) * full(link.b);
   }
 }
 
@@ -148,7 +153,8 @@ void Stepper::see(const Skeleton& soil, double share) {
 double Stepper::time_of_a_cell(const Skeleton& soil) const {
   ScalarArray passes(network_.size(), 0.0);  // m2/s (2D: m/s), discharge for each metre of head
   for (const auto& link : network_.links)
-    for (const Index a : {link.a, link.b}) passes[a] += soil.conductivity[a] * link.transmissibility;
+    for (const auto& [a, along] : {std::pair{link.a, link.of_a}, {link.b, link.of_b}})
+      passes[a] += along * soil.conductivity[a] * link.transmissibility;
   double shortest = HUGE_VAL;
   for (std::size_t a = 0; a < passes.size(); ++a)
     if (soil.give[a] > 0.0 && passes[a] > 0.0) shortest = std::min(shortest, soil.give[a] / passes[a]);

@@ -57,8 +57,9 @@ class Stepper {
   Attempt attempt(double interval, const Skeleton* soil, State& state);
   /// Sets the links' resistance to pressures that alternate from point to point. Soil on points does not respond to
   /// such pressures, so that undrained water would find no pressure at which it fits its pores. Between neighbours in
-  /// full soil there is therefore a flow T V / (4 M) d(p_a - p_b)/dt, of second order in their distance (Aguilar et al.
-  /// 2008), with the transmissibility T, the bulk volume V and the constrained modulus M.
+  /// full soil there is therefore a flow T L^2 / (4 M) d(p_a - p_b)/dt, of second order in their distance (Aguilar et
+  /// al. 2008), with the transmissibility T, the constrained modulus M and the width L of a cell, V^(1/2) of its volume
+  /// V in 2D and V^(1/3) in 3D.
   void link_full_points(const Skeleton& soil, const State& state);
   /// The error of the head [m] that the skeleton bears at the step's end which errors of the points' contents [m3, 2D:
   /// m2] cause, as mean over the soil and with the resulting flows included; and the largest head that the skeleton
@@ -79,6 +80,7 @@ class Stepper {
 
   const Network& network_;
   double spacing_;  ///< m
+  bool space_;      ///< whether the case is in 3D
   std::unique_ptr<FlowModel> flow_;
   std::vector<Along> boundaries_;
   std::vector<std::size_t> boundary_of_;

@@ -111,7 +111,7 @@ class Patch {
       for (const auto& [a, b] : {std::pair{link.a, link.b}, {link.b, link.a}}) {
         const auto found = row_.find(a);
         if (found == row_.end() || found->second == prescribed) continue;
-        neighbours_[found->second].push_back({b, link.transmissibility});
+        neighbours_[found->second].push_back({b, link.of_a * link.transmissibility});
       }
   }
 

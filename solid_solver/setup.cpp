@@ -2,6 +2,7 @@
 
 #include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
+#include "common/geometry/loaded_part.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/media/seepage.hpp"
 #include "solid_solver/discretisation/rough_walls.hpp"
@@ -137,7 +138,13 @@ template <int D>
 void attach_load(const Case& scene, std::size_t which, double reach, double margin, const VecArray<D>& positions,
                  Setup<D>& setup) {
   const Load& load = scene.loads[which];
-  const double length = length_along_soil(scene, load.face, setup.spacing);
+  std::optional<LoadedPart> part;
+  if (load.face.within) part = loaded_part(scene, load.face);
+  const double length = part ? part->area() : length_along_soil(scene, load.face, setup.spacing);
+  const auto is_under = [&](const Vec<D>& x) {
+    if constexpr (D == 3) return !part || part->covers(x);
+    return true;
+  };
   const bool closed = load.face.points.size() > 2 && load.face.points.front() == load.face.points.back();
   const auto planes = planes_of<D>(load.face, 0, margin);
   std::vector<LoadedPatch<D>> patches(planes.size());
@@ -174,7 +181,7 @@ void attach_load(const Case& scene, std::size_t which, double reach, double marg
           !closed && ((k == 0 && place.before > 0.0) || (k + 1 == planes.size() && place.behind > 0.0));
       best = beyond_an_end ? planes.size() : k;
     }
-    if (best < planes.size()) patches[best].particles.push_back(static_cast<Index>(i));
+    if (best < planes.size() && is_under(positions[i])) patches[best].particles.push_back(static_cast<Index>(i));
   }
   bool any = false;
   for (auto& patch : patches) {

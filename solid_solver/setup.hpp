@@ -26,7 +26,8 @@ struct LoadedPatch {
   std::optional<WaterFace> water_face;  ///< water face of the case that lies on this piece
   std::optional<Series> factor;         ///< factor on the traction as a function of time; absent: 1
   std::size_t load = 0;                 ///< index of the load in the case
-  double length = 0.0;  ///< m, length of the load's whole line along which soil lies; 0 for a plane without ends
+  double length = 0.0;  ///< m, length of the load's whole line along which soil lies (3D: m2, area of its part of a
+                        ///< plane); 0 for a plane without ends
   double scale = 1.0;   ///< factor on the forces, see measure_loads()
 };
 

@@ -312,7 +312,18 @@ void declare(Keys& keys, Soil& s) {
   if (!s.seepage_law) s.seepage_law = laws.front().second;
   keys.choice<const porous::SeepageLaw*>("seepage_law", s.seepage_law, laws, {"", meaning + "."});
   keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
-              {"m/s", fmt::format("k at `porosity` (all laws{}).", without)}, positive());
+              {"m/s", fmt::format("k at `porosity` (all laws{}); of anisotropic soil along its beds.", without)},
+              positive());
+  keys.number("anisotropy", s.anisotropy,
+              {"",
+               "Conductivity along the beds of the soil over that across them, k_h / k_v; with fluid.representation = "
+               "\"field\"."},
+              between(0.01, false, 100, false));
+  keys.point(
+      "bedding_normal", s.bedding_normal,
+      {"",
+       "Direction across the beds, of any length: in 2D [-sin a, cos a] for beds that rise at an angle a towards "
+       "+x. Absent: along gravity, for level beds."});
   for (const auto& law : porous::seepage_laws())
     for (const auto& p : law.parameters)
       keys.number(p.key, s.own_numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning},
@@ -532,6 +543,10 @@ void declare(Keys& keys, Well& w) {
 void declare(Keys& keys, Load& l) {
   keys.text("name", l.name, {"", "Name, for messages."});
   declare(keys, l.face);
+  keys.optional_table("within",
+                      "3D, with `point` and `normal` along an axis: only the part of the plane in this box, as far as "
+                      "soil lies there; the total force is the traction times its area.",
+                      l.face.within, [](Keys& inner, Shape& shape) { declare(inner, shape); });
   keys.number("pressure", l.pressure,
               {"Pa", "Instead of `traction`: force per area across the face, into the soil where it is above zero."});
   keys.point("traction", l.traction,

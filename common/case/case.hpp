@@ -56,7 +56,8 @@ struct Shape {
 struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
-  /// Water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that part.
+  /// Water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that part. Of
+  /// a load in 3D: the part of the plane in this box.
   std::optional<Shape> within;
 };
 
@@ -130,7 +131,9 @@ struct Soil {
   double grain_density = 2600.0;                    ///< kg/m3, density of the grains themselves, rho_s
   const porous::SeepageLaw* seepage_law = nullptr;  ///< nullptr: the first of `porous::seepage_laws`
   std::optional<RetentionCase> retention;           ///< absent: no capillarity
-  double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s
+  double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s; of soil in beds along them
+  double anisotropy = 1.0;                          ///< conductivity along the beds over that across them
+  Point3 bedding_normal = Point3::Zero();           ///< direction across the beds; zero: along gravity
   double youngs_modulus = 3.0e6;                    ///< Pa
   double poissons_ratio = 0.3;
   double cohesion = 0.0;                         ///< Pa, at the saturation `initial_saturation`

@@ -10,6 +10,7 @@
 #include "common/case/unsupported.hpp"
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
+#include "common/geometry/flat_section.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
 #include "common/media/seepage.hpp"
@@ -51,7 +52,7 @@ class Checker : Complaints {
     if (scene_.has_water()) sides();
     gauges();
     // The other limits are those of water particles: a field stays within its soil, so that no water can run out.
-    if (scene_.is_field()) return;
+    if (scene_.is_field()) return check_loads(scene_, places_);
     if (scene_.has_water()) enclosure();
     check_supported(scene_, places_);
   }
@@ -921,7 +922,10 @@ class Checker : Complaints {
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
       const bool of_face = gauge.kind == "discharge" && scene_.is_field() && !gauge.quantity.empty();
-      const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end() && !of_face;
+      const bool section = gauge.kind == "discharge" && scene_.is_field() && scene_.general.dimension == 3 && !of_face;
+      if (section) flat_section(gauge, key + ".points");
+      const bool line =
+          std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end() && !of_face && !section;
       if (line && (gauge.points.size() != 2 || gauge.points[0] == gauge.points[1]))
         fail(key + ".points",
              fmt::format("a gauge of kind \"{}\" needs the 2 ends of its line, found {}", gauge.kind,
@@ -975,6 +979,18 @@ class Checker : Complaints {
         if (scene_.gauges[j].name == gauge.name)
           fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", gauge.name));
     }
+  }
+
+  void flat_section(const Gauge& gauge, const std::string& key) const {
+    constexpr const char* expected =
+        "in 3D a discharge is read of a face or well ('quantity'), or through a flat "
+        "section; expected 3 'points' or more, its corners in order";
+    if (gauge.points.size() < 3) fail(key, fmt::format("{}, found {}", expected, gauge.points.size()));
+    const FlatSection section(gauge.points);
+    const double dx = scene_.fluid.particle_spacing;
+    if (!(section.area() > 1e-9 * dx * dx)) fail(key, fmt::format("{}, found points on a line", expected));
+    if (section.unevenness() > 1e-3 * dx)
+      fail(key, fmt::format("{}; found corners up to {:.3g} m off a plane", expected, section.unevenness()));
   }
 
   void known_word(const std::string& key, const std::string& found, std::span<const std::string_view> words) const {

@@ -2,9 +2,11 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
+#include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/soil_surface.hpp"
+#include "common/media/anisotropy.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
@@ -49,6 +51,8 @@ class FieldChecks : Complaints {
     constexpr const char* reason = "belongs to a field; expected fluid.representation = \"field\"";
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
       if (scene_.soils[i].retention) fail(fmt::format("soil[{}].retention", i), reason);
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
+      if (porous::is_anisotropic(scene_.soils[i])) fail(fmt::format("soil[{}].anisotropy", i), reason);
     if (!scene_.rains.empty()) fail("rain[0]", reason);
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
       if (scene_.water_faces[i].face.within) fail(fmt::format("water_face[{}].within", i), reason);
@@ -99,9 +103,6 @@ class FieldChecks : Complaints {
 
  private:
   void scene() const {
-    if (dimension_ == 3 && scene_.deformable())
-      fail("fluid.representation",
-           "a field in 3D is for rigid soil so far; expected solid.model = \"rigid\", or \"particles\"");
     if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
     if (up_.isZero() && asks_for_heads())
       fail("case.gravity",
@@ -186,9 +187,25 @@ class FieldChecks : Complaints {
     // The soil's solver looks for the water behind its surface along faces by points.
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
       if (const WaterFace& f = scene_.water_faces[i];
-          f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0)))
-        fail(fmt::format("water_face[{}].point", i),
-             "a field in soil that moves needs the ends of a face with water behind it; expected 'points'");
+          f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0))) {
+        if (dimension_ == 2)
+          fail(fmt::format("water_face[{}].point", i),
+               "a field in soil that moves needs the ends of a face with water behind it; expected 'points'");
+        if (f.face.normal.isZero())
+          fail(fmt::format("water_face[{}].within", i),
+               "in soil that moves a face with water behind it is flat; expected 'point' and 'normal' besides");
+      }
+    if (dimension_ == 3 && scene_.can_yield())
+      fail("solid.model",
+           "with a field in 3D soil is rigid or elastic so far, found soil that can yield; expected \"elastic\" or "
+           "\"rigid\", or fluid.representation = \"particles\"");
+    for (std::size_t i = 0; dimension_ == 3 && i < scene_.soils.size(); ++i)
+      if (constexpr double least = 0.1; scene_.soils[i].poissons_ratio < least)
+        fail(fmt::format("soil[{}].poissons_ratio", i),
+             fmt::format("with a field in 3D expected {:g} or more, found {:g}: below it the soil's bulk modulus is so "
+                         "low against its "
+                         "constrained one that water and soil do not come to agree",
+                         least, scene_.soils[i].poissons_ratio));
     if (scene_.can_yield() && !scene_.rains.empty())
       fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)
@@ -228,7 +245,44 @@ class FieldChecks : Complaints {
              fmt::format("{} has {}capillarity and soil[0] has {}; expected all soils of a case with it or all without",
                          named("soil", i, soil.name), sharp(soil) ? "no " : "", sharp(soil) ? "some" : "none"));
       if (soil.retention) retention(soil, *soil.retention, key + ".retention");
+      beds(soil, key);
     }
+  }
+
+  void beds(const Soil& soil, const std::string& key) const {
+    if (!porous::is_anisotropic(soil)) {
+      if (!soil.bedding_normal.isZero())
+        fail(key + ".bedding_normal",
+             "has no effect without 'anisotropy', the conductivity along the beds over that "
+             "across them; expected both or neither");
+      return;
+    }
+    const Point3 normal = porous::across_beds(scene_, soil);
+    if (normal.isZero())
+      fail(key + ".bedding_normal", "without gravity expected the direction across the beds, found none");
+    if (porous::same_anisotropy(scene_)) return;
+    // Each soil then has its own directions in which the flow between two points is exact.
+    const std::string otherwise =
+        "where soils differ in their anisotropy the points must lie on a lattice along the beds; expected all soils "
+        "with the same 'anisotropy' and 'bedding_normal', or ";
+    constexpr double along_axis = 1.0 - 1e-9;
+    if (normal.cwiseAbs().maxCoeff() < along_axis)
+      fail(key + ".bedding_normal",
+           fmt::format("{}a normal along a coordinate axis, found {}", otherwise, shown(normal)));
+    const bool moves = scene_.deformable();
+    if ((moves ? scene_.solid.jitter : scene_.fluid.jitter) != 0.0)
+      fail(key + ".anisotropy", fmt::format("{}no jitter", otherwise));
+    if (scene_.can_yield()) fail(key + ".anisotropy", otherwise + "soil that does not yield, and stays on its lattice");
+    for (std::size_t s = 0; s < scene_.soils.size(); ++s) {
+      const Shape& shape = scene_.soils[s].shape;
+      if (is_turned(shape) || (moves && dimension_ == 3 && is_packed(shape)))
+        fail(fmt::format("soil[{}].shape", s), otherwise + "boxes along the axes");
+    }
+  }
+  /// Whether the lattice in a shape is turned against the axes.
+  [[nodiscard]] bool is_turned(const Shape& shape) const {
+    if (dimension_ == 3) return shape.solid && !is_packed(shape);
+    return turned_rectangle(shape).has_value();
   }
 
   void retention(const Soil& soil, const RetentionCase& r, const std::string& key) const {
@@ -495,6 +549,18 @@ class FieldChecks : Complaints {
       if (well.discharge.has_value() == well.head.has_value())
         fail(key, fmt::format("expected either 'discharge' or 'head', found {}", well.head ? "both" : "neither"));
       if (up_.isZero()) fail(key, "a well needs gravity, by which its level acts; found case.gravity of length zero");
+      for (std::size_t s = 0; s < scene_.soils.size(); ++s) {
+        const Soil& soil = scene_.soils[s];
+        if (!porous::is_anisotropic(soil)) continue;
+        const Point3 axis = well.points.back() - well.points.front(), normal = porous::across_beds(scene_, soil);
+        constexpr double parallel = 1e-6;
+        if (dimension_ == 2 || !(axis.cross(normal).norm() < parallel * axis.norm()))
+          fail(
+              key + ".points",
+              fmt::format("in anisotropic soil a well must stand across the beds (3D), so that water flows to it along "
+                          "them from all sides; expected a screen in the direction {}, found soil[{}].anisotropy = {}",
+                          shown(normal), s, soil.anisotropy));
+      }
       if (scene_.can_yield())
         fail(key, "in soil that can yield a well would have to move with it; expected soil that is rigid or elastic");
       constexpr double widest = 0.15, nearest = 3.0, shortest = 3.0;  // spacings

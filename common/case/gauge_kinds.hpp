@@ -39,7 +39,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "of them"},
     {"discharge", "fluid",
      "volume per time through the wet part of the line between two `points`, positive from its right to its left side; "
-     "of a field also the inflow through the face, or the discharge pumped out by the well, named by `quantity`"},
+     "of a field in 3D through a flat section with `points` as its corners in order, positive along its normal by the "
+     "right-hand rule; of a field also the inflow through the face, or the discharge pumped out by the well, named by "
+     "`quantity`"},
     {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points` (3D: of a field only)"},
     {"exit_gradient", "fluid",
      "largest outward hydraulic gradient over such a face; `_at`: its distance from the first of the `points`; "

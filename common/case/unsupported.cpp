@@ -4,6 +4,7 @@
 #include "common/case/complaints.hpp"
 #include "common/case/materials.hpp"
 #include "common/geometry/extent.hpp"
+#include "common/geometry/loaded_part.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/thin_walls.hpp"
@@ -41,6 +42,9 @@ class Supported : Complaints {
       tension();
     }
     if (scene_.coupled()) loaded_plates();
+  }
+  void loads_on_soil() const {
+    if (scene_.deformable()) loads();
   }
 
  private:
@@ -331,6 +335,35 @@ class Supported : Complaints {
     }
   }
 
+  /// Refuses a part of a plane that is not a rectangle along the axes, or where soil does not lie all along it: the
+  /// force is the traction times the area.
+  void part_of_plane(const Face& f, const std::string& key) const {
+    const double dx = scene_.solid.particle_spacing;
+    if (d_ != 3) fail(key, "belongs to dimension = 3; expected 'points', a line");
+    constexpr double along_axis = 1.0 - 1e-9;
+    const Point3 normal = f.normal.isZero() ? f.normal : f.normal.normalized();
+    if (f.within->kind != Shape::Kind::box || f.within->solid || normal.cwiseAbs().maxCoeff() < along_axis)
+      fail(key, "expected a box along the axes, on a plane with 'point' and a 'normal' along an axis");
+    const LoadedPart part = loaded_part(scene_, f);
+    const double level = f.point[part.across];
+    if (!(part.area() > 0.0) || level < f.within->min[part.across] || level > f.within->max[part.across])
+      fail(key, "has no part of the load's plane with soil in it; expected a box that contains a part of it");
+    std::array<int, 2> count{};
+    for (int k = 0; k < 2; ++k)
+      count[static_cast<std::size_t>(k)] = std::max(
+          1, static_cast<int>(std::ceil((part.high - part.low)[part.axes[static_cast<std::size_t>(k)]] / (0.5 * dx))));
+    for (int p = 0; p < count[0]; ++p)
+      for (int q = 0; q < count[1]; ++q) {
+        Point3 x = part.low;
+        x[part.axes[0]] += (p + 0.5) / count[0] * (part.high - part.low)[part.axes[0]];
+        x[part.axes[1]] += (q + 0.5) / count[1] * (part.high - part.low)[part.axes[1]];
+        if (soil_at(x + 0.5 * dx * normal) == nullptr || soil_at(x - 0.5 * dx * normal) != nullptr)
+          fail(key, fmt::format("the soil's surface does not lie along the load's plane at {} m; expected a box over "
+                                "soil all along the plane",
+                                shown(x)));
+      }
+  }
+
   /// Refuses loads far from the soil's surface, the particles with no soil beyond them against the load's normal. The
   /// force is right to 0.3 % within 2 spacings of the surface, and 1.5 to 2.7 times too large 4 spacings from it.
   void loads() const {
@@ -350,6 +383,7 @@ class Supported : Complaints {
         const Point3 along = (piece.b - piece.a).normalized();
         planes.push_back({piece.a, piece.left(), along, along.dot(piece.a), along.dot(piece.b)});
       }
+      if (f.within) part_of_plane(f, fmt::format("load[{}].within", i));
       bool any = std::ranges::any_of(scene_.soils, [&](const Soil& soil) {  // looked at too coarsely to tell
         return spacing_to_look_at(soil.shape, dx, d_) > reach;
       });
@@ -358,6 +392,7 @@ class Supported : Complaints {
           for (const auto& plane : planes) {
             const double inside = plane.normal.dot(x - plane.point), along = plane.along.dot(x);
             if (std::abs(inside) > reach || along < plane.from || along > plane.to) continue;
+            if (f.within && !loaded_part(scene_, f).covers(x)) continue;
             any = true;
             const double off = std::abs(inside - 0.5 * dx);
             if (off <= (farthest + 0.25) * dx || soil_at(x - dx * plane.normal) != nullptr) continue;
@@ -480,5 +515,6 @@ class Supported : Complaints {
 }  // namespace
 
 void check_supported(const Case& scene, const Places& places) { Supported(scene, places).all(); }
+void check_loads(const Case& scene, const Places& places) { Supported(scene, places).loads_on_soil(); }
 
 }  // namespace poretwin

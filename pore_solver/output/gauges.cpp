@@ -1,6 +1,7 @@
 #include "pore_solver/output/gauges.hpp"
 
 #include "common/geometry/extent.hpp"
+#include "common/geometry/flat_section.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/media/retention_law.hpp"
@@ -49,7 +50,14 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
       for (const auto& x : places_along({gauge.points[0], gauge.points[1]}, 0.5 * scene.fluid.particle_spacing))
         p.above.push_back(probes.along(x, x + std::max(0.0, highest - up.dot(x)) * up));
     }
-    if (gauge.kind == "discharge" && !gauge.points.empty()) {
+    if (gauge.kind == "discharge" && scene.general.dimension == 3 && !gauge.points.empty()) {
+      const FlatSection section(gauge.points);
+      for (std::size_t i = 0; i < network.links.size(); ++i) {
+        const Link& link = network.links[i];
+        if (const double sign = section.crossed(network.position[link.a], network.position[link.b]); sign != 0.0)
+          p.crossings.push_back({i, sign});
+      }
+    } else if (gauge.kind == "discharge" && !gauge.points.empty()) {
       const Piece line{gauge.points[0], gauge.points[1]};
       for (std::size_t i = 0; i < network.links.size(); ++i) {
         const Point3 from = network.position[network.links[i].a], way = network.position[network.links[i].b] - from;
@@ -227,7 +235,8 @@ class Gauges::Reader {
       if (!(state_.inflow[i] < 0.0)) continue;
       const Segment& s = network_.segments[i];
       const Soil& soil = scene_.soils[network_.soil[s.point]];
-      const double gradient = -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+      const double conductivity = s.across * porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+      const double gradient = -state_.inflow[i] / s.area / conductivity;
       over_critical = std::fmax(over_critical, gradient / (porous::critical_gradient(scene_, soil) * upwards));
       if (gradient <= largest) continue;
       largest = gradient;

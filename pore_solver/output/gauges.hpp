@@ -19,7 +19,8 @@ class Gauges {
   [[nodiscard]] std::vector<GaugeReading> read(const FlowModel& flow, const Stepper& stepper, const State& state) const;
 
  private:
-  /// A link that a line crosses; sign: 1 if the link leads from the line's right to its left, else -1.
+  /// A link that a line or section crosses; sign: 1 if the link leads from the line's right to its left, or through the
+  /// section along its normal, else -1.
   struct Crossing {
     std::size_t link = 0;
     double sign = 1.0;

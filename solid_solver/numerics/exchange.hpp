@@ -24,5 +24,9 @@ inline constexpr double modulus_in_motion = 0.3;
 /// free surface. It is 1 in the first row and some hundredths at disordered points inside the soil.
 /// Unit: over the spacing. Test: none known.
 inline constexpr double surface = 0.02;
+/// Length of the surface vector times the spacing from which on a particle counts as in the first row at a free
+/// surface. On a lattice it is 1.47 in the first row, 0.44 to 0.46 in the second.
+/// Unit: over the spacing. Test: FieldWithSoil.BearsASuddenLoadWhollyInSpace.
+inline constexpr double first_row = 0.8;
 
 }  // namespace poretwin::solid::exchange

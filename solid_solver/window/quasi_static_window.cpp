@@ -1,6 +1,7 @@
 #include "solid_solver/window/quasi_static_window.hpp"
 
 #include "common/core/error.hpp"
+#include "common/media/predicted_modulus.hpp"
 #include "solid_solver/dynamics/flow_regularisation.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/numerics/steps.hpp"
@@ -171,8 +172,9 @@ void QuasiStaticWindow<D>::compare_with_field(const Setup<D>& setup, const coupl
     strain[i] = p.volume[i] / volume[i] - 1.0;
     if (i >= p.free()) continue;
     const double modulus = moduli(setup, p, i).constrained();
+    const double predicted = modulus * porous::predicted_modulus(setup.soils[p.material[i]].poissons_ratio, D, again);
     const double foreseen = (again ? found_strain_[i] : 0.0) +
-                            (state.external.pressure[i] - (again ? found_pressure_[i] : water.before[i])) / modulus;
+                            (state.external.pressure[i] - (again ? found_pressure_[i] : water.before[i])) / predicted;
     // Over the soil's height, the pressure that responds to the strain not foreseen is a force. It is less where it
     // drains.
     const double pores = void_fraction(setup, p, i), height = setup.height;

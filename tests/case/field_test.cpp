@@ -9,6 +9,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class Field : public CaseFile {};
 
@@ -133,6 +134,35 @@ TEST_F(Field, KeysOfAFieldAreNotForParticles) {
   EXPECT_THAT(complaint(dam, {"fluid.representation=\"fields\""}), HasSubstr("fluid.representation"));
 }
 
+TEST_F(Field, BedsAreRefusedWhereTheyWouldBeWrong) {
+  const std::string beds = changed(dam, "porosity = 0.4", "porosity = 0.4\nanisotropy = 10");
+  EXPECT_EQ(complaint(beds), "no complaint");
+  EXPECT_EQ(complaint(beds, {"soil.0.bedding_normal=[-0.5, 0.9]"}), "no complaint");
+  EXPECT_THAT(complaint(beds, {"soil.0.anisotropy=0"}), AllOf(HasSubstr("soil[0].anisotropy"), HasSubstr("0.01")));
+  EXPECT_THAT(complaint(dam, {"soil.0.bedding_normal=[0, 1]"}),
+              AllOf(HasSubstr("soil[0].bedding_normal"), HasSubstr("'anisotropy'")));
+  const std::string plain = changed(
+      beds, R"(retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 })", "");
+  EXPECT_THAT(complaint(plain, {"fluid.representation=\"particles\""}),
+              AllOf(HasSubstr("soil[0].anisotropy"), HasSubstr("fluid.representation = \"field\"")));
+  // Soils with different beds.
+  const std::string core = beds + R"([[soil]]
+shape = "box"
+min = [0.55, 0]
+max = [0.65, 0.4]
+porosity = 0.4
+retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 }
+)";
+  const std::string two = changed(core, "points = [[0, 0], [1.2, 0], [0.8, 0.4], [0.4, 0.4]]",
+                                  "points = [[0, 0], [0.55, 0], [0.55, 0.4], [0.4, 0.4]]");
+  EXPECT_EQ(complaint(changed(changed(two, "points = [[1.2, 0], [0.8, 0.4]]", "points = [[0.65, 0], [0.65, 0.4]]"),
+                              "points = [[0.8, 0.4], [0.4, 0.4]]", "points = [[0.65, 0.4], [0.4, 0.4]]")),
+            "no complaint");
+  EXPECT_THAT(complaint(two, {"soil.0.bedding_normal=[1, 2]"}),
+              AllOf(HasSubstr("soil[0].bedding_normal"), HasSubstr("coordinate axis")));
+  EXPECT_THAT(complaint(two, {"fluid.jitter=0.1"}), AllOf(HasSubstr("soil[0].anisotropy"), HasSubstr("jitter")));
+}
+
 /// A dam in 3D with a reservoir, a drain under a part of its base, a well, and rain on a part of its crest.
 const std::string dam_in_space = R"([case]
 dimension = 3
@@ -180,11 +210,61 @@ quantity = "well"
 
 TEST_F(Field, In3DIsReadAndNothingIsSaidOfIt) {
   EXPECT_EQ(complaint(dam_in_space), "no complaint");
-  EXPECT_EQ(warnings(dam_in_space), "");
+  // The drain is 2.5 spacings wide from its middle to its ends in the base.
+  EXPECT_THAT(warnings(dam_in_space), AllOf(HasSubstr("water_face[1]"), HasSubstr("ends on the surface of soil")));
+  EXPECT_THAT(warnings(dam_in_space), Not(HasSubstr("water_face[0]")));
+  EXPECT_EQ(warnings(dam_in_space, {"water_face.1.within.min=[8, 0, -0.1]", "water_face.1.within.max=[12, 4, 0.01]",
+                                    "fluid.particle_spacing=0.18"}),
+            "");
   const Case scene = read(dam_in_space);
   ASSERT_TRUE(scene.rains[0].face.within);
   ASSERT_EQ(scene.wells.size(), 1u);
   EXPECT_EQ(scene.wells[0].discharge->at(0.0), 1e-4);
+}
+
+TEST_F(Field, In3DMovesWithElasticSoilOnly) {
+  const auto moving = [](const std::string& model) {
+    return changed(dam_in_space, "model = \"rigid\"", "model = \"" + model + "\"\nparticle_spacing = 0.4") +
+           "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nwater = \"none\"\n";
+  };
+  EXPECT_EQ(complaint(moving("elastic")), "no complaint");
+  EXPECT_THAT(complaint(moving("drucker_prager")), AllOf(HasSubstr("solid.model"), HasSubstr("in 3D")));
+  EXPECT_THAT(complaint(moving("elastic"), {"soil.0.poissons_ratio=0.05"}),
+              AllOf(HasSubstr("soil[0].poissons_ratio"), HasSubstr("0.1 or more")));
+  // The soil's solver looks for the water behind a face on a plane.
+  EXPECT_THAT(complaint(moving("elastic"), {"water_face.1.outlet=false", "water_face.1.head=1"}),
+              AllOf(HasSubstr("water_face[1].within"), HasSubstr("'point' and 'normal'")));
+}
+
+/// A load on a part of a plane (3D): a rectangle on soil.
+TEST_F(Field, PartsOfALoadedPlaneLieOnSoil) {
+  const auto with = [](const std::string& keys) {
+    return changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"\nparticle_spacing = 0.4") +
+           "[[wall]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nwater = \"none\"\n[[load]]\ntraction = [0, 0, -1000]\n" +
+           keys;
+  };
+  const std::string crest = "point = [0, 0, 4]\nnormal = [0, 0, -1]\n";
+  EXPECT_EQ(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 3], max = [7.6, 2, 5] }\n")),
+            "no complaint");
+  EXPECT_THAT(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 3], max = [8.8, 2, 5] }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("does not lie along the load's plane at [8.")));
+  EXPECT_THAT(complaint(with(crest + "within = { shape = \"box\", min = [6.4, 0, 1], max = [7.6, 2, 2] }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("no part of the load's plane")));
+  EXPECT_THAT(complaint(with(crest + "within = { shape = \"ball\", centre = [7, 2, 4], radius = 1 }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("a box along the axes")));
+  EXPECT_THAT(complaint(with("point = [12, 0, 0]\nnormal = [-1, 0, -1]\nwithin = { shape = \"box\", min = [9, 1, 1], "
+                             "max = [10, 2, 3] }\n")),
+              AllOf(HasSubstr("load[0].within"), HasSubstr("along an axis")));
+}
+
+TEST_F(Field, SectionsIn3DAreFlat) {
+  const auto with = [](const std::string& points) {
+    return dam_in_space + "[[gauge]]\nname = \"q\"\nphase = \"fluid\"\nkind = \"discharge\"\npoints = " + points + "\n";
+  };
+  EXPECT_EQ(complaint(with("[[6, 0, 0], [6, 4, 0], [6, 4, 4], [6, 0, 4]]")), "no complaint");
+  EXPECT_THAT(complaint(with("[[6, 0, 0], [6, 4, 0]]")), AllOf(HasSubstr("gauge[1].points"), HasSubstr("found 2")));
+  EXPECT_THAT(complaint(with("[[6, 0, 0], [6, 2, 0], [6, 4, 0]]")), HasSubstr("on a line"));
+  EXPECT_THAT(complaint(with("[[6, 0, 0], [6, 4, 0], [6, 4, 4], [7, 0, 4]]")), HasSubstr("off a plane"));
 }
 
 TEST_F(Field, FacesIn3DMustLieOnSoil) {
@@ -225,8 +305,10 @@ TEST_F(Field, WellsMustStandInSoil) {
               AllOf(HasSubstr("well[0].name"), HasSubstr("water_face[1]")));
   EXPECT_THAT(complaint(dam_in_space, {"gauge.0.quantity=\"wall\""}),
               AllOf(HasSubstr("gauge[0].quantity"), HasSubstr("\"well\"")));
-  EXPECT_THAT(complaint(changed(dam_in_space, "model = \"rigid\"", "model = \"elastic\"")),
-              AllOf(HasSubstr("fluid.representation"), HasSubstr("3D")));
+  const std::string beds = changed(dam_in_space, "porosity = 0.4", "porosity = 0.4\nanisotropy = 10");
+  EXPECT_EQ(complaint(beds), "no complaint");
+  EXPECT_THAT(complaint(beds, {"soil.0.bedding_normal=[0, 0.1, 1]"}),
+              AllOf(HasSubstr("well[0].points"), HasSubstr("across the beds")));
   EXPECT_EQ(complaint(dam + "[[well]]\npoints = [[0.6, 0.2]]\nradius = 0.002\nhead = 0.25\n"), "no complaint");
 }
 

@@ -286,6 +286,33 @@ TEST(PoreWaterInSpace, ADamThatLiesAcrossTheLatticeFillsInFewSteps) {
 }
 
 /// Two runs of the same case are equal to the bit, and so is one that goes on from an archive.
+/// Steady flow through a block, 1 m long, 0.4 m wide and high, along x: sections of any inclination pass it, parts of a
+/// section pass their share, and each counts along its normal.
+TEST(PoreWaterInSpace, SectionsReadTheDischargeThroughThem) {
+  const double k = 1e-4, q = k * 0.4 * 0.4;
+  Case scene = scene_in_space(sharp(0.3, k), block({0, 0, 0}, {1, 0.4, 0.4}), 0.1, 1e5);
+  scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, 0}), 3.0), head_face(plane({1, 0, 0}, {-1, 0, 0}), 2.0)};
+  scene.fluid.initial_water_table = 2.0;
+  const auto section = [](const char* name, std::vector<Point3> corners) { return gauge(name, "discharge", corners); };
+  scene.gauges = {
+      section("across", {{0.5, -1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, -1, 1}}),
+      section("turned", {{0.5, -1, 1}, {0.5, 1, 1}, {0.5, 1, -1}, {0.5, -1, -1}}),
+      section("inclined", {{0.1, -1, -0.2}, {0.1, 1, -0.2}, {0.9, 1, 0.6}, {0.9, -1, 0.6}}),
+      section("left", {{0.5, -1, -1}, {0.5, 0.1, -1}, {0.5, 0.1, 1}, {0.5, -1, 1}}),
+      section("right", {{0.5, 0.1, -1}, {0.5, 1, -1}, {0.5, 1, 1}, {0.5, 0.1, 1}}),
+      section("along", {{0, 0, 0.2}, {1, 0, 0.2}, {1, 0.4, 0.2}, {0, 0.4, 0.2}}),
+      section("l", {{0.55, -1, -1}, {0.55, 1, -1}, {0.55, 1, 0.1}, {0.55, 0.2, 0.1}, {0.55, 0.2, 1}, {0.55, -1, 1}})};
+  PoreWater water(scene);
+  run_to(water, 1e5);
+  EXPECT_NEAR(reading(water, "across"), q, 1e-6 * q);
+  EXPECT_EQ(reading(water, "turned"), -reading(water, "across"));
+  EXPECT_NEAR(reading(water, "inclined"), q, 1e-6 * q);
+  EXPECT_NEAR(reading(water, "left"), 0.25 * q, 1e-6 * q);
+  EXPECT_NEAR(reading(water, "right"), 0.75 * q, 1e-6 * q);
+  EXPECT_NEAR(reading(water, "along"), 0.0, 1e-6 * q);
+  EXPECT_NEAR(reading(water, "l"), (0.5 + 0.25 * 0.5) * q, 1e-6 * q);
+}
+
 TEST(PoreWaterInSpace, ARunThatGoesOnFromItsArchiveIsTheSame) {
   Case scene = scene_in_space(van_genuchten(0.05, 0.4, 2.0, 2.0, 1e-4), block({0, 0, 0}, {0.8, 0.64, 0.4}), 0.08, 1e4);
   scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, 0}), 0.3)};

@@ -95,6 +95,23 @@ TEST(Wells, AConfinedLayerYieldsWhatThiemGives) {
     }
 }
 
+/// Water flows along level beds to a well across them.
+TEST(Wells, AWellAcrossBedsYieldsAsMuchAsWithoutBeds) {
+  double q[2];
+  for (const bool beds : {false, true}) {
+    Case scene = layer(sharp(0.3, 1e-4), 0.1);
+    if (beds) scene.soils[0].anisotropy = 10.0;
+    scene.wells = {well_at(0.95, 0.95, 0.005)};
+    scene.wells[0].head = constant(1.0);
+    scene.gauges = {gauge("q", "discharge", {}, "well")};
+    PoreWater water(scene);
+    run_to(water, scene.general.end_time);
+    q[beds] = reading(water, "q");
+  }
+  EXPECT_GT(q[0], 0.0);
+  EXPECT_NEAR(q[1], q[0], 1e-6 * q[0]);
+}
+
 TEST(Wells, ADischargeIsPumpedExactlyAndTheLevelFollows) {
   const double k = 1e-4, radius = 0.005, q = 2e-5;
   const double fall = q / (2.0 * pi * k * 0.5) * std::log(2.0 * conformal_radius() / radius);
