@@ -63,12 +63,12 @@ bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c) {
 
 namespace {
 
-/// Whether the flow through a column is part of the pressure solve: where it is quasi-static, in soil of one
-/// conductivity or full of water. Elsewhere the skeleton or inertia carries part of the flow, and the column moves with
-/// the water in front of it.
+/// Whether the flow through a column is part of the pressure solve: in soil at rest that is full of water, and where
+/// drag dominates in soil of one conductivity. Elsewhere the skeleton or inertia carries part of the flow, and the
+/// column moves with the water in front of it.
 template <int D>
 bool flow_is_solved_for(const Setup<D>& setup, const State<D>& state, const FaceColumn<D>& c) {
-  return is_quasi_static<D>(setup, c) && (setup.one_soil || state.full);
+  return state.full || (is_quasi_static<D>(setup, c) && setup.one_soil);
 }
 
 /// Adds a volume [m^D] that comes in through a column (negative: goes out).

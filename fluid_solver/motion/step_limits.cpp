@@ -145,12 +145,13 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
 }
 
 /// Limit of the next window where all water seeps, since its particles' motion is extrapolated from two windows. Noise
-/// of single particles cancels in the sum.
+/// of single particles cancels in the sum. Where particles pass into other soils their speed jumps though the flow is
+/// steady.
 template <int D>
 void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state) {
   state.window_limits.clear();
   const auto& p = state.particles;
-  if (setup.coupled || setup.scheme != FluidCase::Scheme::projection ||
+  if (setup.coupled || setup.scheme != FluidCase::Scheme::projection || is_driven_by_pressure(setup, state) ||
       !setup.domain.all_of(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
@@ -184,6 +185,7 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
 template <int D>
 void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const VecArray<D>& velocity_before,
                            double interval, State<D>& state) {
+  if (is_driven_by_pressure(setup, state)) return;
   const auto& p = state.particles;
   const auto in_coarse = [&](std::size_t a) {
     return p.in_seepage[a] != 0 && view.mask[a] > 0.5 && !is_drag_dominated<D>(setup, state.particles, view, a);
