@@ -121,6 +121,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   in.velocity = forced.empty() ? p.velocity : forced;
   passes_.begin(window.pass, view);
   if (!passes_.pressure().empty()) in.pressure = p.pressure;
+  in.sections = solved_sections(setup_, state_);
 
   // The solve, and the fields that the soil needs of its result.
   const auto out = solve_with_drag(setup_, s, in, passes_, view, state_);

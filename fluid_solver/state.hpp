@@ -37,6 +37,9 @@ struct Particles {
   std::vector<char> goes_with_soil;  ///< 1: came with soil that can leave its place together with its faces; 0: can
                                      ///< become free water
   std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: moves and has a surface as free water
+  /// 1 + index of the soil that it was in when its pressure and velocity were computed; 0: none, or it is new. Where
+  /// the soil is at rest and has several conductivities.
+  OrZero<int> soil;
   OrZero<int> closed_body;     ///< number from 1 of the body of water that it belongs to, if only walls surround that
                                ///< body; else 0
   OrZero<double> void_volume;  ///< m^D, volume of voids in the water, opened by cavitation
@@ -78,6 +81,7 @@ struct Particles {
     visit_if_there(surface_gradient);
     visit_if_there(entrained_fraction);
     visit_if_there(closed_body);
+    visit_if_there(soil);
     visit_if_there(void_volume);
     visit_if_there(deferred_strain);
     visit_if_there(unseen_rate);
@@ -110,6 +114,7 @@ struct Particles {
          {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force, &previous_coupling_force})
       array->grow();
     closed_body.grow();
+    soil.grow();
     for (auto* array :
          {&surface_share, &entrained_fraction, &void_volume, &deferred_strain, &unseen_rate, &unseen_strain})
       array->grow();
@@ -171,7 +176,19 @@ struct State {
   Counts counts;
   Balance balance;
   Exchanged<D> exchanged;
+  /// [gauges of kind discharge, in the case's order] m2/s, flow in the last window; empty where the pressure does not
+  /// drive all of it.
+  ScalarArray section_flow;
 };
+
+/// Whether the pressure alone drives the water: in several soils at rest that are full of it. Flow without a surface
+/// follows the heads within n rho_w / C (40 ms in gravel of k = 0.2 m/s), so that its inertia decides nothing. But the
+/// velocity jumps where one soil conducts more than the next, and the divergence of a momentum that jumps is wrong: in
+/// a drain of such gravel up to half of its discharge came from nowhere.
+template <int D>
+bool is_driven_by_pressure(const Setup<D>& setup, const State<D>& state) {
+  return state.full && !setup.one_soil && setup.drag;
+}
 
 /// The state at time zero, before its hydrostatic pressure is solved for. lattices: see water_lattices.
 template <int D>

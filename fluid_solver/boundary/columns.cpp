@@ -63,12 +63,27 @@ bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c) {
 
 namespace {
 
-/// Whether the flow through a column is part of the pressure solve: where it is quasi-static, in soil of one
-/// conductivity or full of water. Elsewhere the skeleton or inertia carries part of the flow, and the column moves with
-/// the water in front of it.
+/// Whether the flow through a column is part of the pressure solve: in soil at rest that is full of water, and where
+/// drag dominates in soil of one conductivity. Elsewhere the skeleton or inertia carries part of the flow, and the
+/// column moves with the water in front of it.
 template <int D>
 bool flow_is_solved_for(const Setup<D>& setup, const State<D>& state, const FaceColumn<D>& c) {
-  return is_quasi_static<D>(setup, c) && (setup.one_soil || state.full);
+  return state.full || (is_quasi_static<D>(setup, c) && setup.one_soil);
+}
+
+/// The column whose stack moves by what passes this one.
+template <int D>
+const FaceColumn<D>& keeper(const State<D>& state, const FaceColumn<D>& c) {
+  return c.handed_to < 0 ? c : state.columns[static_cast<std::size_t>(c.handed_to)];
+}
+template <int D>
+FaceColumn<D>& keeper(State<D>& state, FaceColumn<D>& c) {
+  return c.handed_to < 0 ? c : state.columns[static_cast<std::size_t>(c.handed_to)];
+}
+/// Mass of a stack per length [kg/m].
+template <int D>
+double per_length(const FaceColumn<D>& c) {
+  return c.mass / c.spacing;
 }
 
 /// Adds a volume [m^D] that comes in through a column (negative: goes out).
@@ -132,6 +147,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     widest = std::max(widest, 2.0 * points::smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
   typename sph::Sight<D>::Near near;
+  ScalarArray handed(state.columns.size(), 0.0);  // m, motion of a stack by what passes other columns
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     auto& c = state.columns[i];
     const double speed_before = c.speed;
@@ -142,7 +158,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     }
     c.speed = 0.0;
     c.slope = 0.0;
-    if (!c.wet) continue;
+    if (!c.wet || (c.handed_to >= 0 && !keeper(state, c).wet)) continue;
     c.slope = face_slope(s, static_cast<Index>(i), p.pressure, c.pressure).value_or(0.0);
     const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
     const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
@@ -162,6 +178,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
       speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
     if (sum < faces::least_seen) {
+      if (c.handed_to >= 0) continue;  // the front comes from there
       const double before = c.offset;
       wet_dry_ground<D>(setup, c, interval);
       if (flow_is_solved_for<D>(setup, state, c))
@@ -173,9 +190,13 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     c.speed = flow_is_solved_for<D>(setup, state, c) && std::isfinite(solved) ? solved : speed / sum;
     const double advance =
         interval * (c.speed + (c.in_soil ? look_ahead(state.last_interval, interval) * (c.speed - speed_before) : 0.0));
-    c.offset += advance;
+    if (c.handed_to < 0)
+      c.offset += advance;
+    else
+      handed[static_cast<std::size_t>(c.handed_to)] += advance * per_length(c) / per_length(keeper(state, c));
     if (flow_is_solved_for<D>(setup, state, c)) count<D>(c, came, c.mass / setup.density * advance / c.spacing);
   }
+  for (std::size_t i = 0; i < state.columns.size(); ++i) state.columns[i].offset += handed[i];
 }
 
 /// Returns k/n times the driving head [m2/s], and k/n times the cosine between gravity and the inward direction [m/s].
@@ -331,13 +352,14 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
       if (d > -c.spacing) continue;
       keep[a] = false;
       any = true;
-      c.offset += c.spacing * p.mass[a] / c.mass;
+      auto& stack = keeper(state, c);
+      stack.offset += p.mass[a] / per_length(stack);
       continue;
     }
     keep[a] = false;
     any = true;
     crossed[static_cast<std::size_t>(i)] -= p.mass[a] / setup.density;
-    c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
+    if (c.handed_to < 0) c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
   // The flow takes out a column's outermost particle, wherever in the first spacing it stands. Beside a wall at which
   // the face ends the velocity is unbounded, and particles move more slowly than the flow. Where a column has no

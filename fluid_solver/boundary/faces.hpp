@@ -43,6 +43,8 @@ struct FaceColumn {
   double passed = 0.0;             ///< m^D, volume that has come in here, minus what has gone out
   double before = 0.0;             ///< m, length of the wall that continues the face straight beyond its first end here
   double after = 0.0;              ///< m, length of the wall that continues the face straight beyond its last end here
+  int handed_to = -1;  ///< column in whose place the particles of what passes here are born and removed; -1: this one.
+                       ///< At the toe of a slope of soil at rest there is no place for a row between face and base
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of the first buffer that lies inside the face [m^D]; negative: volume of the last particle that lies
   /// outside.
@@ -155,6 +157,29 @@ std::vector<Joint<D>> make_joints(const Case& scene) {
   return joints;
 }
 
+/// Sets FaceColumn::handed_to where the soil behind a column ends within a spacing: to the nearest column of its face
+/// and its soil with place for a row.
+template <int D>
+void hand_on(const Ground<D>& ground, std::vector<FaceColumn<D>>& columns) {
+  std::vector<char> has_place;
+  std::vector<const Stratum*> soil;
+  for (const auto& c : columns) {
+    has_place.push_back(!c.in_soil || ground.at(c.foot + c.spacing * c.normal) ? 1 : 0);
+    soil.push_back(ground.at(just_inside<D>(ground, c.foot, c.normal, c.spacing)));
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (has_place[i] != 0) continue;
+    auto& c = columns[i];
+    double nearest = HUGE_VAL;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const double distance = (columns[k].foot - c.foot).norm();
+      if (columns[k].face != c.face || has_place[k] == 0 || soil[k] != soil[i] || distance >= nearest) continue;
+      c.handed_to = static_cast<int>(k);
+      nearest = distance;
+    }
+  }
+}
+
 /// The columns of all water faces. A face given as a plane is tiled where soil or regions of water lie behind it.
 template <int D>
 std::vector<FaceColumn<D>> make_columns(const Case& scene, const Ground<D>& ground) {
@@ -228,6 +253,7 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene, const Ground<D>& grou
         detail::add_column<D>(scene, ground, number, x, normal, area, 0.5 * step[1], columns);
       }
   }
+  if (!scene.coupled()) hand_on<D>(ground, columns);
   return columns;
 }
 

@@ -26,9 +26,11 @@ struct Cloud {
   OrZero<double> surface_share;
   ScalarArray mask, void_fraction;
   sph::Sight<D> sight;        ///< lines of sight past the walls
+  std::vector<Index> column;  ///< [buffers, which follow the particles] the face column of each
   std::size_t n_base = 0;     ///< number of points that are no images
   std::vector<Index> by, of;  ///< [images] see sph::Images; where lines of sight are limited
-  std::vector<Index> original;  ///< [images] by walls of any shape: the point whose image it is
+  std::vector<Index> original;  ///< [images] the point whose image it is
+  bool shaped_walls = false;    ///< images are by walls of any shape (3D)
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
@@ -59,6 +61,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   c.void_fraction = p.void_fraction;
   for (const auto& b : make_buffers(state.columns)) {
     const auto& column = state.columns[b.column];
+    c.column.push_back(b.column);
     c.position.push_back(b.position);
     c.volume.push_back(b.volume);
     c.pressure.push_back(column.pressure - column.slope * b.outside);
@@ -89,7 +92,8 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   auto images = images_of<D>(base, walls.planes, walls.sight, walls.surfaces.get(), reach);
   c.sight = walls.sight;
   c.n_base = base.size();
-  if (walls.surfaces) c.original = images.parent;
+  c.original = images.parent;
+  c.shaped_walls = walls.surfaces != nullptr;
   c.by = std::move(images.by);
   c.of = std::move(images.of);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -137,15 +141,18 @@ class Probe {
     return sum / lattice_fullness<D>();
   }
 
-  /// Moving least squares of first order; a weighted mean where the points do not span space. NaN outside the water.
-  template <class Field>
-  [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f) const {
+  /// Moving least squares of first order over the points j for which counts(j), or over all where none of these is
+  /// near; a weighted mean where they do not span space. NaN outside the water.
+  template <class Field, class Counts>
+  [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f, Counts&& counts) const {
     using Row = Eigen::Matrix<double, D + 1, 1>;
     Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
     Row rhs = Row::Zero();
-    double scale = 0.0;
+    double scale = 0.0, sampled = 0.0;
     near(x, [&](Index j, double r) {
       const double w = cloud_.volume[j] * Kernel<D>::value(r, length(j));
+      sampled += w;
+      if (!counts(j)) return;
       Row row;
       row[0] = 1.0;
       row.template tail<D>() = (cloud_.position[j] - x) / reach_;
@@ -153,7 +160,9 @@ class Probe {
       rhs += w * f(j) * row;
       scale += w * length(j);
     });
-    if (moment(0, 0) < points::least_sampled) return {};
+    if (sampled < points::least_sampled) return {};
+    if constexpr (!std::is_same_v<std::decay_t<Counts>, All>)
+      if (!(moment(0, 0) > 0.0)) return fit(x, f);
     scale /= moment(0, 0);
     // A direction in which points do not spread gives no slope.
     Row unit = Row::Constant(reach_ / scale);
@@ -165,6 +174,10 @@ class Probe {
     return {solution[0], solution.template tail<D>() / reach_};
   }
   template <class Field>
+  [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f) const {
+    return fit(x, f, All{});
+  }
+  template <class Field>
   [[nodiscard]] double at(const Vec<D>& x, Field&& f) const {
     return fit(x, f).value;
   }
@@ -174,6 +187,9 @@ class Probe {
   }
 
  private:
+  struct All {
+    bool operator()(Index) const { return true; }
+  };
   [[nodiscard]] double length(Index j) const { return width_ * cloud_.length[j]; }
   template <class F>
   void near(const Vec<D>& x, F&& f) const {
@@ -188,8 +204,7 @@ class Probe {
   [[nodiscard]] bool seen(const Vec<D>& x, Index j, const typename sph::Sight<D>::Near& walls) const {
     const auto& c = cloud_;
     if constexpr (D == 3)
-      if (!c.original.empty())
-        return j < c.n_base || Surfaces::sees(x, c.position[c.original[j - c.n_base]], c.position[j]);
+      if (c.shaped_walls) return j < c.n_base || Surfaces::sees(x, c.position[c.original[j - c.n_base]], c.position[j]);
     if (!c.sight.limited()) return true;
     return j < c.n_base ? c.sight.open(x, c.position[j], walls)
                         : c.sight.sees(x, j, c.n_base, c.position, c.by, c.of, walls);

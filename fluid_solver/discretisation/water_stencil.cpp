@@ -38,13 +38,13 @@ void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, 
   // end of a face is then no surface. If it counted as one, it would draw in the water of several spacings.
   const Domain& domain = setup.domain;
   const bool closed = domain.any(!state.columns.empty()) && domain.any(p.size() > 0) &&
-                      (state.full || state.time == 0.0) &&
+                      (state.full || state.time == 0.0) && !setup.coupled && setup.is_projection() &&
                       domain.all_of(state.columns.size(),
                                     [&](std::size_t i) {
                                       const auto& c = state.columns[i];
-                                      return is_quasi_static<D>(setup, c) && c.wet;
+                                      return c.wet && c.in_soil && (c.drag_dominated || !setup.one_soil);
                                     }) &&
-                      domain.all_of(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+                      domain.all_of(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5 && p.in_seepage[a] != 0; });
   const auto flags = find_surface<D>(s, p.in_seepage, rows, share, closed && state.full);
   s.forget_moments();
   p.surface = flags;

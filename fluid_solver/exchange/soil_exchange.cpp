@@ -54,6 +54,9 @@ void fit_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p) 
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * setup.density);
     p.mask[a] = view.mask[a];
   });
+  if (view.number.empty() || setup.one_soil) return;
+  p.soil.allocate(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) p.soil.set(a, 1 + view.number[a]);
 }
 
 template <int D>

@@ -14,7 +14,8 @@ template <int D>
 SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,
                      const SeepageRegime& regime);
 
-/// Sets the particles' bulk volumes from the porosity of the soil that they are in; their mass stays the same.
+/// Sets the particles' bulk volumes from the porosity of the soil that they are in, and notes which soil that is; their
+/// mass stays the same.
 template <int D>
 void fit_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p);
 

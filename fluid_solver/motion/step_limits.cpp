@@ -145,12 +145,13 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
 }
 
 /// Limit of the next window where all water seeps, since its particles' motion is extrapolated from two windows. Noise
-/// of single particles cancels in the sum.
+/// of single particles cancels in the sum. Where particles pass into other soils their speed jumps though the flow is
+/// steady.
 template <int D>
 void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state) {
   state.window_limits.clear();
   const auto& p = state.particles;
-  if (setup.coupled || setup.scheme != FluidCase::Scheme::projection ||
+  if (setup.coupled || setup.scheme != FluidCase::Scheme::projection || is_driven_by_pressure(setup, state) ||
       !setup.domain.all_of(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
@@ -184,6 +185,7 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
 template <int D>
 void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const VecArray<D>& velocity_before,
                            double interval, State<D>& state) {
+  if (is_driven_by_pressure(setup, state)) return;
   const auto& p = state.particles;
   const auto in_coarse = [&](std::size_t a) {
     return p.in_seepage[a] != 0 && view.mask[a] > 0.5 && !is_drag_dominated<D>(setup, state.particles, view, a);
@@ -229,6 +231,26 @@ void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& stat
   state.window_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
 }
 
+/// Particles that have left soil at rest in the last window where it has no face: they are about to fall, though their
+/// regime is still that of the window's start. Empty: none. Only water at a surface can leave without passing into
+/// other free water.
+template <int D>
+std::vector<char> left_soil(const Setup<D>& setup, const State<D>& state) {
+  const auto& p = state.particles;
+  std::vector<char> left;
+  if (setup.coupled || setup.ground.strata().empty() || state.full) return left;
+  std::optional<ColumnFinder<D>> finder;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const auto& x = p.position[a];
+    if (p.in_seepage[a] == 0 || p.surface[a] == Surface::interior || setup.ground.at(x)) continue;
+    if (!finder) finder.emplace(state.columns);
+    if (finder->nearest(x) >= 0) continue;
+    left.resize(p.size(), 0);
+    left[a] = 1;
+  }
+  return left;
+}
+
 template <int D>
 std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,
                                           double first_interval) {
@@ -244,7 +266,9 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   for (const auto& l : state.window_limits) apply(l.interval, l.reason);
   // In soil that moves quasi-statically water has no waves, even where it is not in the seepage regime.
   const double slow = quasi_static_speed(setup);
+  const auto left = left_soil<D>(setup, state);
   const auto flows = [&](std::size_t a) {
+    if (!left.empty() && left[a] != 0) return true;
     return p.in_seepage[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > slow);
   };
   const auto fastest_of = [&](bool flowing) {

@@ -44,13 +44,15 @@ class Reader {
         weight_(setup.weight),
         passed_(poretwin::fluid::passed<D>(state)),
         gamma_(setup.ground.specific_weight()),
-        dx_(setup.spacing) {}
+        dx_(setup.spacing) {
+    if (!setup.coupled && !setup.one_soil) find_soils();
+  }
 
   void read(const Gauge& gauge) {
     const std::string per_width = D == 2 ? "m2" : "m3";
     if (gauge.kind == "point") return points(gauge);
     if (gauge.kind == "front") return add(gauge.name, front(Line<D>(gauge)), "m");
-    if (gauge.kind == "discharge") return add(gauge.name, discharge(Line<D>(gauge)), per_width + "/s");
+    if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge), per_width + "/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(Line<D>(gauge)), "m");
     if (gauge.kind == "exit_gradient") return exit_gradient(gauge.name, Line<D>(gauge));
     if (gauge.kind == "pressure_force") return pressure_force(gauge.name, Line<D>(gauge));
@@ -75,13 +77,44 @@ class Reader {
     return magnitude > 0.0 ? -weight_.dot(x) / magnitude : 0.0;
   }
 
+  /// The soil of every point of the cloud: a buffer has that in front of its face, an image that of its original, a
+  /// particle that in which its pressure was computed. In the window's motion it may have passed a border since.
+  void find_soils() {
+    soil_.resize(cloud_.size(), nullptr);
+    for (std::size_t a = 0; a < cloud_.n_real; ++a) {
+      const int known = state_.particles.soil[a];
+      soil_[a] = known > 0 ? &ground_.strata()[static_cast<std::size_t>(known) - 1] : ground_.at(cloud_.position[a]);
+    }
+    for (std::size_t b = 0; b < cloud_.column.size(); ++b) {
+      const auto& c = state_.columns[cloud_.column[b]];
+      soil_[cloud_.n_real + b] = ground_.at(just_inside<D>(ground_, c.foot, c.normal, c.spacing));
+    }
+    for (std::size_t i = cloud_.n_base; i < cloud_.size(); ++i) soil_[i] = soil_[cloud_.original[i - cloud_.n_base]];
+  }
+  /// Value and gradient of a field at a place from the points in the same soil. Where two soils meet, the velocity
+  /// along the border and the gradient of the pressure across it jump by the ratio of their conductivities, so that a
+  /// fit to points on both sides would be wrong by a good part of what either soil has over one spacing.
+  template <class Field>
+  [[nodiscard]] typename Probe<D>::Fit fit(const Vec<D>& x, const Field& f) const {
+    const Stratum* here = soil_.empty() ? nullptr : ground_.at(x);
+    if (!here) return probe_.fit(x, f);
+    return probe_.fit(x, f, [&](Index j) { return !soil_[j] || soil_[j] == here; });
+  }
+  /// Total pressure [Pa] and its gradient. The weight's part is subtracted for the fit: where few points give no slope,
+  /// their mean is that of the piezometric pressure.
+  [[nodiscard]] typename Probe<D>::Fit pressure(const Vec<D>& x) const {
+    auto result = fit(x, [&](Index j) { return cloud_.pressure[j] - weight_.dot(cloud_.position[j] - x); });
+    result.gradient += weight_;
+    return result;
+  }
+
   void points(const Gauge& gauge) {
     for (std::size_t i = 0; i < gauge.points.size(); ++i) {
       const Vec<D> x = gauge.points[i].template head<D>();
       const std::string name = gauge.points.size() > 1 ? fmt::format("{}[{}]", gauge.name, i) : gauge.name;
-      if (gauge.quantity == "pore_pressure") add(name, probe_.pressure(x).value, "Pa");
-      if (gauge.quantity == "pressure_head") add(name, probe_.pressure(x).value / gamma_, "m");
-      if (gauge.quantity == "head") add(name, probe_.pressure(x).value / gamma_ + elevation(x), "m");
+      if (gauge.quantity == "pore_pressure") add(name, pressure(x).value, "Pa");
+      if (gauge.quantity == "pressure_head") add(name, pressure(x).value / gamma_, "m");
+      if (gauge.quantity == "head") add(name, pressure(x).value / gamma_ + elevation(x), "m");
       if (gauge.quantity == "degree_of_saturation") {
         const Stratum* here = ground_.at(x);
         const double initial = here ? here->initial_saturation : 0.0;
@@ -91,7 +124,7 @@ class Reader {
         const char* axis = axes[static_cast<std::size_t>(d)];
         if (gauge.quantity != "velocity" && gauge.quantity != std::string("velocity") + axis) continue;
         add(gauge.quantity == "velocity" ? name + axis : name,
-            probe_.at(x, [&](Index j) { return cloud_.velocity[j][d]; }), "m/s");
+            fit(x, [&](Index j) { return cloud_.velocity[j][d]; }).value, "m/s");
       }
     }
   }
@@ -157,23 +190,42 @@ class Reader {
     return std::abs(end - wet) < farthest * dx_ ? end : nan;
   }
 
-  /// Discharge [m3/s, 2D: m2/s] through the wet part of a line, positive from its right to its left.
-  [[nodiscard]] double discharge(const Line<D>& line) const {
+  /// Discharge [m3/s, 2D: m2/s] through the wet part of a line, positive from its right to its left: that of the last
+  /// pressure solve where it drives all of the flow, otherwise by the velocity of the particles.
+  [[nodiscard]] double discharge(const Gauge& gauge) {
+    const std::size_t number = discharges_++;
+    if (number < state_.section_flow.size()) return state_.section_flow[number];
+    const Line<D> line(gauge);
     double from = 0.0, to = front(line);
     if (to == 0.0) {
       to = line.length;
       from = line.length - front(Line<D>(line.at(line.length), line.at(0.0)));
     }
     const int count = std::max(1, static_cast<int>(std::ceil((to - from) / (0.5 * dx_))));
-    const double step = (to - from) / count;
+    const auto through = [&](double a, double b) {
+      const double flux = fit(line.at(0.5 * (a + b)), [&](Index j) {
+                            return cloud_.void_fraction[j] * cloud_.velocity[j].dot(line.left);
+                          }).value;
+      return std::isfinite(flux) ? (b - a) * flux : 0.0;
+    };
     double sum = 0.0;
     for (int i = 0; i < count; ++i) {
-      const double flux = probe_.at(line.at(from + (i + 0.5) * step), [&](Index j) {
-        return cloud_.void_fraction[j] * cloud_.velocity[j].dot(line.left);
-      });
-      if (std::isfinite(flux)) sum += step * flux;
+      const double a = from + (to - from) * i / count, b = from + (to - from) * (i + 1) / count;
+      const double border = border_between(line, a, b);
+      sum += through(a, border) + through(border, b);
     }
     return sum;
+  }
+  /// The place on a line between two others at which another soil begins; the second one where there is none.
+  [[nodiscard]] double border_between(const Line<D>& line, double a, double b) const {
+    if (soil_.empty()) return b;
+    const Stratum* here = ground_.at(line.at(a));
+    if (ground_.at(line.at(b)) == here) return b;
+    while (b - a > 1e-6 * dx_) {
+      const double middle = 0.5 * (a + b);
+      (ground_.at(line.at(middle)) == here ? a : b) = middle;
+    }
+    return b;
   }
 
   /// Depth [m] of the water's surface inside a place on a face, up to `deepest`; 0 where water stands at the face.
@@ -212,7 +264,7 @@ class Reader {
       const double place = (i + 0.5) * line.length / count;
       const Vec<D> x = line.at(place) + 0.5 * dx_ * line.left;
       if (probe_.fullness(x) < 0.5) continue;
-      const auto p = probe_.pressure(x);
+      const auto p = pressure(x);
       const double gradient = (p.gradient - weight_).dot(line.left) / gamma_;
       if (!std::isfinite(p.value)) continue;
       if (const Stratum* soil = ground_.at(x))
@@ -232,7 +284,7 @@ class Reader {
     const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
     double force = 0.0, moment = 0.0;
     for (int i = 0; i < count; ++i) {
-      const double place = (i + 0.5) * line.length / count, p = probe_.pressure(line.at(place)).value;
+      const double place = (i + 0.5) * line.length / count, p = pressure(line.at(place)).value;
       if (!(p > 0.0)) continue;
       force += p * line.length / count;
       moment += place * p * line.length / count;
@@ -256,7 +308,7 @@ class Reader {
       top = z + 0.5 * step;
     }
     if (top == 0.0) return 0.0;
-    const double on_it = probe_.pressure(x + top * up).value;
+    const double on_it = pressure(x + top * up).value;
     return weight + (on_it > 0.0 ? on_it : 0.0);
   }
 
@@ -266,7 +318,7 @@ class Reader {
     double pushed = 0.0, weight = 0.0;
     for (int i = 0; i < count; ++i) {
       const Vec<D> x = line.at((i + 0.5) * line.length / count);
-      const double above = overburden(x), p = probe_.pressure(x).value;
+      const double above = overburden(x), p = pressure(x).value;
       if (!(above > 0.0)) continue;
       weight += above;
       if (p > 0.0) pushed += p;
@@ -405,9 +457,11 @@ class Reader {
   const State<D>& state_;
   const Cloud<D>& cloud_;
   Probe<D> probe_;
+  std::vector<const Stratum*> soil_;  ///< of each point of the cloud; empty where all soils conduct alike, or move
   Vec<D> weight_;
   ScalarArray passed_;
   double gamma_ = 0.0, dx_ = 0.0;
+  std::size_t discharges_ = 0;  ///< number of gauges of this kind that have been read
   std::vector<GaugeReading> readings_;
 };
 

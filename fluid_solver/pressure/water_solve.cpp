@@ -17,6 +17,7 @@ WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, do
   in.density = setup.density;
   in.weight = setup.weight;
   in.origin = setup.origin;
+  in.inertia = !is_driven_by_pressure(setup, state);
   in.response = setup.responds;
   in.fixed_soil = setup.fixed_soil;
   in.void_fraction = state.particles.void_fraction;
@@ -37,6 +38,16 @@ WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, do
     in.face_soil.push_back(before ? before->number : -1);
   }
   return in;
+}
+
+template <int D>
+std::vector<Section<D>> solved_sections(const Setup<D>& setup, const State<D>& state) {
+  std::vector<Section<D>> sections;
+  if (D != 2 || setup.coupled || !setup.periodic.empty() || !setup.is_projection() || !state.full) return sections;
+  for (const auto& gauge : setup.gauges)
+    if (gauge.phase == "fluid" && gauge.kind == "discharge")
+      sections.push_back({gauge.points[0].template head<D>(), gauge.points[1].template head<D>()});
+  return sections;
 }
 
 template <int D>
@@ -105,6 +116,7 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
   p.solid_velocity = solution.solid_velocity;
   p.velocity = solution.velocity;
   p.void_volume = solution.void_volume;
+  state.section_flow = solution.section_flow;
   const auto cavitating =
       static_cast<double>(std::count_if(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; }));
   if (cavitating == 0.0) return;
@@ -114,6 +126,7 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
 
 #define PORETWIN_INSTANTIATE(D)                                                                                      \
   template WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);           \
+  template std::vector<Section<D>> solved_sections(const Setup<D>& setup, const State<D>& state);                    \
   template WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in, \
                                              const Passes<D>& passes, SoilView<D>& view, State<D>& state);           \
   template void check_finite(const State<D>& state, const WindowSolution<D>& solution, double time);                 \

@@ -11,6 +11,11 @@ namespace poretwin::fluid {
 template <int D>
 WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);
 
+/// The sections of the gauges of kind discharge, in their order, where the pressure drives all of the flow: in 2D, in
+/// soil at rest that is full of water. Elsewhere none.
+template <int D>
+std::vector<Section<D>> solved_sections(const Setup<D>& setup, const State<D>& state);
+
 /// Solves one window. With a quadratic drag it is solved again about the relative velocity just found (Newton) until
 /// the tangent agrees with the law.
 template <int D>

@@ -12,7 +12,7 @@ namespace {
 
 /// Elimination of v_w' from a particle's two momentum equations of one backward Euler window (docs/theory/coupling.md).
 struct Elimination {
-  double aw = 0.0;  ///< a = n rho_w / dt, N s/m4
+  double aw = 0.0;  ///< a = n rho_w / dt, N s/m4; 0 without inertia
   double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
   double kf = 0.0;  ///< mobility of the water with the skeleton at rest: flux per pressure gradient, m4/(N s)
   double e = 0.0;   ///< 1, flux of the mixture per velocity of the skeleton
@@ -27,10 +27,11 @@ struct Response {
   bool responds = false;
 };
 
-Elimination eliminate(double dt, double density, double n, double n_s, double C) {
+/// aw: n rho_w / dt.
+Elimination eliminate(double aw, double n, double n_s, double C) {
   Elimination q;
   q.C = C;
-  q.aw = n * density / dt;
+  q.aw = aw;
   q.kf = n * n / (q.aw + C);
   q.e = n_s + n * C / (q.aw + C);
   return q;
@@ -42,7 +43,8 @@ struct Eliminations {
   const WindowProblem<D>& in;
   const SoilView<D>& soil;
   Elimination operator[](std::size_t a) const {
-    return eliminate(in.interval, in.density, in.void_fraction[a], soil.fraction[a], soil.drag[a]);
+    const double n = in.void_fraction[a], aw = in.inertia ? n * in.density / in.interval : 0.0;
+    return eliminate(aw, n, soil.fraction[a], soil.drag[a]);
   }
 };
 
@@ -105,8 +107,9 @@ class WindowSolver {
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
-  /// The water's velocity with the explicit part of a quadratic drag.
-  [[nodiscard]] Vec<D> pushed(std::size_t a) const { return before(a) + soil_.drag_offset[a] / q_[a].aw; }
+  /// What drives the water besides the pressure and the skeleton [N/m3]: its momentum over the window's length, and the
+  /// explicit part of a quadratic drag.
+  [[nodiscard]] Vec<D> push(std::size_t a) const { return q_[a].aw * before(a) + soil_.drag_offset[a]; }
   [[nodiscard]] Vec<D> before(std::size_t a) const {
     return in_.velocity.empty() ? Vec<D>(Vec<D>::Zero()) : in_.velocity[a];
   }
@@ -142,6 +145,7 @@ class WindowSolver {
         solve_fluid(std::move(b), out);
       if (!update_cavitating(out) || round == pressure::most_cavitation_rounds) break;
     }
+    tell_section_flow(out);
     // The matrices are not needed any more: freeing them lowers the peak of memory.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
     finish(out);
@@ -151,8 +155,7 @@ class WindowSolver {
   /// Right-hand side of every row from the window's divergence [m^D/s].
   ScalarArray make_sources() const {
     VecArray<D> flux(n_);
-    parallel_for(n_,
-                 [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
+    parallel_for(n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a); });
     ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
     if (in_.sweeps > 0) parallel_for(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
     parallel_for(n_, [&](std::size_t a) {
@@ -397,8 +400,8 @@ class WindowSolver {
     return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin);
   }
 
-  /// Calls take(column, weight, pressure) for every term weight (p - pressure) of the faces in row a of a Laplacian
-  /// with this mobility.
+  /// Calls take(column, weight, pressure, buffer) for every term weight (p - pressure) of the faces in row a of a
+  /// Laplacian with this mobility; buffer: index of the buffer particle that the term stands for.
   template <class Take>
   void for_faces(std::size_t a, double mobility, const Take& take) const {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
@@ -409,14 +412,14 @@ class WindowSolver {
       // Where water leaves soil at rest, a row that has passed the face keeps the slope of the pressure there.
       const double beyond = std::min(0.0, b.inside(s_.position[a]));
       const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
-      take(b.column, w, in_.face_pressure[b.column] + beyond * slope);
+      take(b.column, w, in_.face_pressure[b.column] + beyond * slope, q);
     }
   }
 
   /// Sum of the faces' terms on the right-hand side of row a; empty where no face is within reach.
   std::optional<double> from_faces(std::size_t a, double mobility) const {
     std::optional<double> sum;
-    for_faces(a, mobility, [&](Index, double w, double pressure) { sum = sum.value_or(0.0) + w * pressure; });
+    for_faces(a, mobility, [&](Index, double w, double pressure, Index) { sum = sum.value_or(0.0) + w * pressure; });
     return sum;
   }
 
@@ -435,12 +438,12 @@ class WindowSolver {
       const auto is_own = [&](Index column) {
         return !soil_.number.empty() && in_.face_soil[column] == soil_.number[a];
       };
-      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
+      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure, Index) {
         flow += w * (pressure - out.pressure[a]);
         all += w;
         if (is_own(column)) own += w;
       });
-      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
+      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure, Index) {
         if (!whole)
           out.face_flow[column] = std::nan("");
         else if (own == all || own == 0.0)
@@ -456,10 +459,54 @@ class WindowSolver {
       for (Index k = s_.fit_offset[c]; k < s_.fit_offset[c + 1]; ++k) {
         const Index a = s_.fit_index[k];
         sum += s_.fit_weight[k];
-        carried += s_.fit_weight[k] * in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * normal[c].dot(pushed(a));
+        carried += s_.fit_weight[k] * in_.void_fraction[a] / (q_[a].aw + q_[a].C) * normal[c].dot(push(a));
       }
       if (sum > 0.0) out.face_carry[c] = carried / sum;
     }
+  }
+
+  /// Computes the flow through each section. A term of the matrix is a flow from one particle to another, along the
+  /// straight line between them; a section is passed by all whose lines cross it. With these flows continuity holds in
+  /// any part of the soil (Irving & Kirkwood 1950 define a flow of momentum in this way), so that as much passes a
+  /// section as the faces on either side let in. A sum of the particles' velocities does not have this property: beside
+  /// another soil it depends on how many rows of particles the soil has. To the flow that the pressure drives the flow
+  /// by inertia is added, in the same form.
+  void tell_section_flow(WindowSolution<D>& out) const {
+    out.section_flow.assign(in_.sections.size(), 0.0);
+    if constexpr (D == 2)
+      for (std::size_t i = 0; i < in_.sections.size(); ++i) out.section_flow[i] = flow_through(in_.sections[i], out);
+  }
+  [[nodiscard]] double flow_through(const Section<2>& section, const WindowSolution<D>& out) const {
+    const Vec<D> along = section.to - section.from, left(-along[1], along[0]);
+    // 1 where the way from x to y leads from the section's right to its left, -1 the other way, 0 beside the section.
+    const auto crossed = [&](const Vec<D>& x, const Vec<D>& y) {
+      const double here = left.dot(x - section.from), there = left.dot(y - section.from);
+      if ((here < 0.0) == (there < 0.0)) return 0.0;
+      const double place = along.dot(x + here / (here - there) * (y - x) - section.from);
+      return place < 0.0 || place > along.squaredNorm() ? 0.0 : here < 0.0 ? 1.0 : -1.0;
+    };
+    const auto carried = [&](std::size_t a) { return Vec<D>(in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a)); };
+    double flow = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) {
+      const Vec<D>& x = s_.position[a];
+      if (std::abs(left.dot(x - section.from)) > 2.0 * sph::support_radius * s_.length(a) * left.norm()) continue;
+      const Vec<D> own = carried(a);
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        // An image behind a wall stands for its original: the flow goes there.
+        const Index j = s_.other[k], q = s_.parent[j];
+        const double sign = crossed(x, s_.position[q]) * (q < n_ ? 0.5 : 1.0);  // particles meet each pair twice
+        if (sign == 0.0) continue;
+        const Vec<D> theirs = q >= n_ ? own : j < s_.n_base ? carried(q) : Vec<D>(s_.map[j - s_.n_base] * carried(q));
+        flow +=
+            sign * s_.volume[a] * s_.gradient_factor[k] * s_.amplified(a, q) * (own + theirs).dot(s_.position[j] - x);
+        if (q < n_) flow += sign * static_cast<double>(fluid_.weight[k]) * (out.pressure[a] - out.pressure[q]);
+      }
+      if (s_.beyond[a] == 0) continue;
+      for_faces(a, q_[a].kf, [&](Index, double w, double pressure, Index q) {
+        flow += crossed(x, s_.position[q]) * w * (out.pressure[a] - pressure);
+      });
+    }
+    return flow;
   }
 
   /// Distance to the surface [m]; 0 where it is out of reach.
@@ -843,7 +890,7 @@ class WindowSolver {
       const Vec<D>& force = soil_.found_force.is_allocated() ? soil_.found_force[a] : soil_.force[a];
       const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       const Vec<D> velocity =
-          skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
+          skeleton.ss / (q.aw + q.C) * (q.C * push(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
           skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * flow_[a];
       set_drive(drive, a, velocity);
     }
@@ -973,7 +1020,7 @@ class WindowSolver {
     parallel_for(n_, [&](std::size_t a) {
       const auto& q = q_[a];
       const Vec<D> driven = flux.empty() ? Vec<D>(mobility * out.gradient[a]) : flux[a];
-      out.velocity[a] = (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];
+      out.velocity[a] = (push(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];
     });
   }
 

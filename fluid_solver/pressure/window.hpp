@@ -7,6 +7,12 @@
 
 namespace poretwin::fluid {
 
+/// A section through soil at rest that is full of water, of which the discharge is asked for (2D).
+template <int D>
+struct Section {
+  Vec<D> from, to;  ///< m, its ends
+};
+
 /// Data of one window. Lengths of the arrays: [n] particles, [columns] of the faces.
 template <int D>
 struct WindowProblem {
@@ -14,6 +20,7 @@ struct WindowProblem {
   double density = 1000.0;                ///< kg/m3, of water
   Vec<D> weight = Vec<D>::Zero();         ///< rho g, N/m3
   Vec<D> origin = Vec<D>::Zero();         ///< piezometric pressure ph = p - rho g.(x - origin)
+  bool inertia = true;                    ///< the water has inertia; without it drag must act everywhere
   bool response = true;                   ///< the skeleton responds inside the solve
   std::span<const double> void_fraction;  ///< [n]
   std::span<const double> pressure;       ///< [n] Pa, piezometric, at the window's start; empty: the initial guess
@@ -29,6 +36,7 @@ struct WindowProblem {
   std::vector<bool> face_holds;         ///< [columns] the face fixes the soil
   std::vector<int> face_soil;           ///< [columns] index in the case of the soil before them, at rest; -1: none
   double tolerance = 2e-5;              ///< relative residual of the pressure where no skeleton responds
+  std::vector<Section<D>> sections;     ///< where the flow is wanted
   std::uint32_t fixed_soil = 0;         ///< boundaries that fix the soil, one bit each
   int sweeps = 0;                       ///< explicit sweeps in place of the solve; 0: solve
   double interval_over_proposed = 1.0;  ///< length of the window over the one that the fluid proposed: with shorter
@@ -45,6 +53,7 @@ struct WindowSolution {
   OrZero<double> void_volume;     ///< [n] m^D, volume of voids in the water
   ScalarArray face_flow;          ///< [columns] m^D/s, flow that the face's pressure drives in; NaN beside a surface
   ScalarArray face_carry;         ///< [columns] m/s, inward discharge per area by inertia, without the face's pressure
+  ScalarArray section_flow;       ///< [sections] m^D/s, flow through each, positive from its right to its left
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
   bool multigrid = false;  ///< input: start with multigrid; output: the next solve should
   bool converged = true;

@@ -115,6 +115,19 @@ TEST(Faces, ADrainPassesWhatItsThicknessDoes) {
   EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
 }
 
+// A drain of gravel in sand, 4.35 rows thick. Its water's inertia must not matter: with the momentum of particles that
+// come from the sand up to half of the drain's discharge came from nowhere. And a section through it is passed by what
+// the sand lets in, whatever the number of its rows.
+// Finite volumes with cells of 5, 2.5 and 1.25 mm: 1.7924, 1.7968, 1.7972e-5 m2/s.
+TEST(Faces, ADrainOfGravelPassesWhatTheSandLetsIn) {
+  Case scene = sand_with(box(0.4, 0.163, 0.8, 0.25), 0.2);
+  scene.gauges.back().points = {Point3(0.7, 0.4, 0.0), Point3(0.7, 0.0, 0.0)};
+  const Flow flow = flow_of(scene, 100.0, 1000.0);
+  EXPECT_NEAR(flow.in / 1.7973e-5, 1.0, 0.025);
+  EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
+  EXPECT_NEAR(flow.through / flow.in, 1.0, 0.005);
+}
+
 // A point a quarter spacing inside the lower end of a flat slope is below the slope's base; water that left there in a
 // window of an hour was in no soil, fell for an hour, and was lost.
 TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
@@ -132,6 +145,51 @@ TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
     }
     EXPECT_NEAR(length, 2.0 * std::hypot(1.0, run), 1e-9) << run;
   }
+}
+
+/// A dam of 44 x 10 m with slopes of two to one, a reservoir of 8 m and a drain under its last 10 m.
+Case dam_with_drain() {
+  Case scene = outlet_on_half_a_side(0.5);
+  scene.soils[0].hydraulic_conductivity = 1e-5;
+  scene.soils[0].shape.kind = Shape::Kind::polygon;
+  scene.soils[0].shape.points = {Point3(0.0, 0.0, 0.0), Point3(44.0, 0.0, 0.0), Point3(24.0, 10.0, 0.0),
+                                 Point3(20.0, 10.0, 0.0)};
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.fluid.regions[0].points = {Point3(0.0, 0.0, 0.0), Point3(34.0, 0.0, 0.0), Point3(25.0, 5.0, 0.0),
+                                   Point3(16.0, 8.0, 0.0)};
+  scene.walls = {wall(line(0.0, 0.0, 34.0, 0.0))};
+  WaterFace drain;
+  drain.face.points = {Point3(34.0, 0.0, 0.0), Point3(44.0, 0.0, 0.0), Point3(24.0, 10.0, 0.0)};
+  drain.outlet = true;
+  scene.water_faces = {named(head_face(line(20.0, 10.0, 0.0, 0.0), 8.0), "up"), named(drain, "down")};
+  scene.gauges = {gauge("lowest", "min_pressure"), gauge("water", "balance")};
+  return scene;
+}
+
+// Between the face and the base of a slope of two to one there is no place for a particle within 1.5 spacings of the
+// toe. With particles of their own these columns took the toe for dry ground: a front entered, its particle was pressed
+// out, and so on 25,000 times in 1e6 s, at pressures down to -77 kPa.
+TEST(Faces, AtTheToeOfASlopeNothingIsBornOverAndOver) {
+  const Case scene = dam_with_drain();
+  const auto columns = make_columns<2>(scene, Ground<2>(scene));
+  for (const auto& c : columns) {
+    if (c.face != 0) continue;
+    const bool at_toe = c.foot[1] < 0.4;
+    ASSERT_EQ(c.handed_to >= 0, at_toe) << c.foot.transpose();
+    if (at_toe) {
+      EXPECT_NEAR(columns[static_cast<std::size_t>(c.handed_to)].foot[1], 0.5556, 1e-3);
+    }
+  }
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  for (int i = 1; i <= 20; ++i) {
+    run_to(fluid, time, 5e3 * i);
+    EXPECT_GT(reading(fluid, "lowest"), -500.0) << time;
+  }
+  EXPECT_LT(fluid.counters().at("born"), 100.0);
+  EXPECT_LT(fluid.counters().at("deleted"), 100.0);
+  EXPECT_NEAR(reading(fluid, "water_error"), 0.0, 1e-9);
 }
 
 // Where a wall continues a face, images and buffers fill the space behind them exactly once, and pairs across are the
