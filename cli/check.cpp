@@ -92,12 +92,10 @@ void expect_memory(const Case& scene) {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
                there = pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (!(pages > 0.0) || a.memory_bytes <= there) return;
-  const bool factors = a.factor_bytes > 0.5 * a.memory_bytes;
   throw CaseError(fmt::format(
-      "{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles{}: expected what this "
+      "{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles: expected what this "
       "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
       scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
-      factors ? fmt::format(", {:.3g} GB of it for the factors of the soil's stiffness", a.factor_bytes / 1e9) : "",
       there / 1e9));
 }
 

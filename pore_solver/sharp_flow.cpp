@@ -22,58 +22,82 @@ Inflow SharpFlow::mean_depth(double h, double low, double high) const {
   return weightless_ ? Inflow{h, 1.0} : depth_of(h, low, high);
 }
 
-Content SharpFlow::saturation(Index a) const {
-  if (weightless_) return {1.0, 0.0};
-  const double h = level_[a];
+Inflow SharpFlow::depth_in(Index a, double low, double high) const {
+  const Inflow depth = mean_depth(level_[a].value, low, high);
+  return {depth.value, depth.slope * level_[a].slope};
+}
+
+Inflow SharpFlow::level_at(Index a, double variable) const {
+  if (weightless_) return {variable, 1.0};
   const auto filling = network_.filling(a);
-  if (h >= filling.back().elevation) return {1.0, 0.0};
+  const double share = std::max(variable, 0.0) / height(a);
+  if (share >= 1.0) return {filling.front().elevation + variable, 1.0};
   std::size_t i = 1;
-  while (h >= filling[i].elevation) ++i;
+  while (share >= filling[i].share) ++i;
   const Filling &below = filling[i - 1], &above = filling[i];
-  const double slope = (above.share - below.share) / (above.elevation - below.elevation);
-  return {below.share + slope * (h - below.elevation), slope};
+  const double per_share = (above.elevation - below.elevation) / (above.share - below.share);
+  return {below.elevation + per_share * (share - below.share), per_share / height(a)};
+}
+
+void SharpFlow::set(std::span<const double> variable) {
+  variable_.assign(variable.begin(), variable.end());
+  level_.resize(variable_.size());
+  for (std::size_t a = 0; a < variable_.size(); ++a) level_[a] = level_at(static_cast<Index>(a), variable_[a]);
+}
+
+Content SharpFlow::saturation(Index a) const {
+  if (weightless_ || variable_[a] >= height(a)) return {1.0, 0.0};
+  return {std::max(variable_[a], 0.0) / height(a), 1.0 / height(a)};
 }
 
 Content SharpFlow::borne_head(Index a) const {
   const auto filling = network_.filling(a);
-  const Inflow depth = mean_depth(level_[a], filling.front().elevation, filling.back().elevation);
+  const Inflow depth = depth_in(a, filling.front().elevation, filling.back().elevation);
   return {depth.value, depth.slope};
 }
 
 Flow SharpFlow::through(const Link& link) const {
   const double kt = conductivity(link.a, link.b) * link.transmissibility;
-  const Inflow a = mean_depth(level_[link.a], link.low, link.high), b = mean_depth(level_[link.b], link.low, link.high);
+  const Inflow a = depth_in(link.a, link.low, link.high), b = depth_in(link.b, link.low, link.high);
   return {kt * (a.value - b.value), kt * a.slope, -kt * b.slope};
 }
 
 Inflow SharpFlow::below_level(const Segment& segment, double level) const {
   const double kt = conductivity(segment.point) * segment.transmissibility;
-  const Inflow inside = mean_depth(level_[segment.point], segment.low, segment.high);
+  const Inflow inside = depth_in(segment.point, segment.low, segment.high);
   return {kt * (mean_depth(level, segment.low, segment.high).value - inside.value), -kt * inside.slope};
 }
 
 Inflow SharpFlow::at_head(const Segment& segment, double pressure_head) const {
   const double kt = conductivity(segment.point) * segment.transmissibility;
-  const Inflow inside = mean_depth(level_[segment.point], segment.low, segment.high);
+  const Inflow inside = depth_in(segment.point, segment.low, segment.high);
   const double outside = weightless_ ? pressure_head : std::max(pressure_head, 0.0);
   return {kt * (outside - inside.value), -kt * inside.slope};
 }
 
 double SharpFlow::variable_at(Index a, double pressure_head) const {
   if (weightless_) return 0.0;
-  return std::max(pressure_head + network_.elevation[a], network_.filling(a).front().elevation);
+  const auto filling = network_.filling(a);
+  const double h = pressure_head + network_.elevation[a];
+  if (h <= filling.front().elevation) return 0.0;
+  if (h >= filling.back().elevation) return h - filling.front().elevation;
+  std::size_t i = 1;
+  while (h >= filling[i].elevation) ++i;
+  const Filling &below = filling[i - 1], &above = filling[i];
+  const double part = (h - below.elevation) / (above.elevation - below.elevation);
+  return (below.share + part * (above.share - below.share)) * height(a);
 }
 
 double SharpFlow::limited(Index a, double from, double to, char& stopped) const {
   if (weightless_) return to;
-  const double low = network_.filling(a).front().elevation, high = network_.filling(a).back().elevation;
-  if (!stopped && (from < high) != (to < high)) {
+  const double full = height(a);
+  if (!stopped && (from < full) != (to < full)) {
     stopped = 1;
     // From above it stops just below the cell's top: there the cell can give water.
     constexpr double just = 1e-9;
-    return from < high ? high : high - just * (high - low);
+    return from < full ? full : (1.0 - just) * full;
   }
-  return std::max(to, low);
+  return std::max(to, 0.0);
 }
 
 }  // namespace poretwin::pore

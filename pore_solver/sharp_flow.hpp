@@ -5,9 +5,10 @@
 
 namespace poretwin::pore {
 
-/// Each cell is a column of water at rest within itself. Its variable is the elevation h up to which the water stands
-/// or, where the cell is full, the piezometric head. The volume of water follows from h and the cell's shape. With m(h)
-/// the mean of max(h - z, 0) over the common face, conductivity K and transmissibility T,
+/// Each cell is a column of water at rest within itself. Where it is partly full, its variable is its volume of water
+/// over its full volume, times its height [m]; where it is full, its height plus the head over its top. From the
+/// variable and the cell's shape follows the elevation h up to which the water stands or, where the cell is full, the
+/// piezometric head. With m(h) the mean of max(h - z, 0) over the common face, conductivity K and transmissibility T,
 ///
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
@@ -15,29 +16,38 @@ namespace poretwin::pore {
 /// still water behind it the water's level takes the place of h_b; above that level the face is a seepage face. The
 /// skeleton bears the mean of the pressure over the cell. Without gravity water has no level: all cells are full, and
 /// their variable is the pressure head.
+///
+/// With h as the variable Newton's iteration would not converge in cells that are narrow at their bottom: the volume is
+/// a curve of h whose tangent there leads far beyond the top. It is linear in the variable chosen.
 class SharpFlow final : public FlowModel {
  public:
   SharpFlow(const Case& scene, const Network& network);
-  void set(std::span<const double> variable) override { level_.assign(variable.begin(), variable.end()); }
+  void set(std::span<const double> variable) override;
   [[nodiscard]] Content saturation(Index a) const override;
   [[nodiscard]] Content borne_head(Index a) const override;
-  [[nodiscard]] double pressure_head(Index a) const override { return level_[a] - network_.elevation[a]; }
+  [[nodiscard]] double pressure_head(Index a) const override { return level_[a].value - network_.elevation[a]; }
   [[nodiscard]] Flow through(const Link& link) const override;
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
   [[nodiscard]] Inflow at_head(const Segment& segment, double pressure_head) const override;
   [[nodiscard]] double variable_at(Index a, double pressure_head) const override;
-  [[nodiscard]] double full(Index a) const override { return network_.filling(a).back().elevation; }
-  [[nodiscard]] bool is_empty(Index a) const override {
-    return !weightless_ && level_[a] <= network_.filling(a).front().elevation;
-  }
+  [[nodiscard]] double full(Index a) const override { return weightless_ ? 0.0 : height(a); }
+  [[nodiscard]] bool is_empty(Index a) const override { return !weightless_ && variable_[a] <= 0.0; }
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:
+  /// The elevation h and its derivative with respect to the variable.
+  [[nodiscard]] Inflow level_at(Index a, double variable) const;
+  [[nodiscard]] double height(Index a) const {
+    return network_.filling(a).back().elevation - network_.filling(a).front().elevation;
+  }
   [[nodiscard]] Inflow mean_depth(double h, double low, double high) const;
+  /// Mean depth [m] of a point's water over elevations from `low` to `high`; derivative with respect to its variable.
+  [[nodiscard]] Inflow depth_in(Index a, double low, double high) const;
 
   const Network& network_;
   bool weightless_;
-  ScalarArray level_;  ///< m, variable h of each point
+  ScalarArray variable_;       ///< m
+  std::vector<Inflow> level_;  ///< m
 };
 
 }  // namespace poretwin::pore

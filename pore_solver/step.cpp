@@ -281,7 +281,8 @@ void Stepper::find_levels() {
 bool Stepper::solve(double interval, State& state) {
   const std::size_t n = network_.size();
   stopped_.assign(n, 0);
-  ScalarArray change(n + pumps_.size());
+  ScalarArray change(n + pumps_.size()), before;
+  double part = 1.0, left_before = HUGE_VAL;
   for (int iteration = 0;; ++iteration) {
     flow_->set(variable_);
     balance(interval, state, true);
@@ -300,14 +301,25 @@ bool Stepper::solve(double interval, State& state) {
     if (give_ > 0.0) enough = std::min(enough, steps::borne_residual * std::max(state.largest_head, spacing_) * give_);
     if (left < carried_ + enough) return true;
     if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
+    const auto move = [&](std::size_t a) {
+      return flow_->limited(static_cast<Index>(a), before[a], before[a] + part * change[a], stopped_[a]);
+    };
+    // Between two pieces of the curves Newton's steps can go back and forth for ever; a part of a step ends that.
+    if (iteration >= steps::whole_steps && left > left_before && part > steps::least_part) {
+      part *= 0.5;
+      for (std::size_t a = 0; a < n; ++a) variable_[a] = move(a);
+      continue;
+    }
     // A point that is full and without flow does not depend on its variable. Its row gets a diagonal.
     for (std::size_t a = 0; a < n; ++a)
       if (matrix_[matrix_.diagonal(a)] == 0.0) matrix_[matrix_.diagonal(a)] = pores_;
     for (double& r : residual_) r = -r;
     ++state.counts.iterations;
     state.counts.linear_iterations += solve_linear(residual_, steps::linear_residual, change);
-    for (std::size_t a = 0; a < n; ++a)
-      variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], variable_[a] + change[a], stopped_[a]);
+    before = variable_;
+    left_before = left;
+    part = 1.0;
+    for (std::size_t a = 0; a < n; ++a) variable_[a] = move(a);
   }
 }
 

@@ -17,7 +17,6 @@ struct Amounts {
   double gauge_rows = 0.0;    ///< rows of gauges.csv; 0 where gauges are read at every exchange, whose number is not
                               ///< known
   double memory_bytes = 0.0;  ///< all processes together
-  double factor_bytes = 0.0;  ///< part of memory_bytes: the factors of the soil's stiffness matrix (3D with water)
 };
 Amounts estimate(const Case& scene);
 

@@ -372,9 +372,9 @@ void declare(Keys& keys, Soil& s) {
               between(0, false, 90, true));
   keys.number("softening_slip", s.softening_slip,
               {"m",
-               "Plastic slip across a shear band over which the strength falls to its residual. A band is one "
-               "particle spacing wide: divided by `solid.particle_spacing` this is the plastic shear strain, so that "
-               "what a band dissipates does not depend on the spacing."},
+               "Plastic slip across a shear band over which the strength falls to its residual. A band is two "
+               "particle spacings wide: divided by that width this is the plastic shear strain, so that what a band "
+               "dissipates does not depend on the spacing."},
               positive());
   keys.number("maximum_void_ratio", s.maximum_void_ratio,
               {"", "Void ratio e = n / (1 - n) at which dilation ends (materials with a dilation angle); absent: never."}, positive());
@@ -893,7 +893,7 @@ void take_paper_defaults(Case& c) {
 
 /// Sets the members of a soil that follow from other keys.
 void complete(Soil& soil, double spacing) {
-  soil.band_width = spacing;
+  soil.band_width = band_width * spacing;
   if (!soil.undrained_strength) return;
   soil.cohesion = *soil.undrained_strength;
   soil.friction_angle = soil.dilation_angle = 0.0;

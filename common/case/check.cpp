@@ -926,7 +926,8 @@ class Checker : Complaints {
         fail(key + ".points",
              fmt::format("a gauge of kind \"{}\" needs the 2 ends of its line, found {}", gauge.kind,
                          gauge.points.size() == 2 ? "one point twice" : fmt::format("{} points", gauge.points.size())));
-      if (line && gauge.kind != "front" && scene_.general.dimension != 2)
+      const bool in_space = gauge.kind == "front" || (gauge.kind == "exit_height" && scene_.is_field());
+      if (line && !in_space && scene_.general.dimension != 2)
         fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
       if (gauge.kind == "slip_surface" && gauge.points.size() != 4)
         fail(key + ".points",

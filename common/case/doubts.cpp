@@ -36,7 +36,6 @@ class Doubts : Complaints {
       narrow_water();
     }
     if (!scene_.is_field()) few_rows();
-    slow_factors();
     without_effect();
     return std::move(lines_);
   }
@@ -283,18 +282,6 @@ class Doubts : Complaints {
       if ((gap.head(d_) <= 0.5 * dx).all()) return true;
     }
     return false;
-  }
-
-  void slow_factors() {
-    const Amounts a = estimate(scene_);
-    constexpr double many = 1e9;  // bytes
-    if (a.factor_bytes > many)
-      doubt(
-          "solid.particle_spacing",
-          fmt::format("{:.2g} soil particles in 3D with water: the soil's stiffness is factorised once an axis, about "
-                      "{:.2g} GB and minutes before a window ends, growing as the number of particles to the power of "
-                      "1.6; give a larger spacing, or solid.model = \"rigid\"",
-                      a.solid, a.factor_bytes / 1e9));
   }
 
   void without_effect() {

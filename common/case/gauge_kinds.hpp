@@ -40,7 +40,7 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"discharge", "fluid",
      "volume per time through the wet part of the line between two `points`, positive from its right to its left side; "
      "of a field also the inflow through the face, or the discharge pumped out by the well, named by `quantity`"},
-    {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points`"},
+    {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points` (3D: of a field only)"},
     {"exit_gradient", "fluid",
      "largest outward hydraulic gradient over such a face; `_at`: its distance from the first of the `points`; "
      "`_over_critical`, where the face looks upwards: largest ratio to the gradient that lifts the grains off it, "

@@ -48,6 +48,11 @@ struct Material {
 /// models.
 std::vector<Material> materials();
 
+/// Width of a shear band of particles: a jump of the velocity between two rows is seen, by the gradient of either, as a
+/// strain over two rows.
+/// Unit: spacings. Test: case softening_band.
+inline constexpr double band_width = 2.0;
+
 /// Why a case has no factor of safety: the key concerned, and what is expected of it. Nothing where some soil can yield
 /// and all such soil has a strength that a factor can divide.
 std::optional<std::pair<std::string, std::string>> lacks_strength(const Case& scene);

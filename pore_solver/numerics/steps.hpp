@@ -48,6 +48,13 @@ inline constexpr double air_in_full_soil = 0.05;
 /// Number of Newton iterations after which a step is given up.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_iterations = 15;
+/// Newton iterations before steps that increase the residual are halved. Earlier such steps are needed: a front that
+/// enters cells raises the residual at first.
+/// Unit: iterations. Test: dam_valley (untried).
+inline constexpr int whole_steps = 6;
+/// Part of a Newton step at which halving ends.
+/// Unit: 1. Test: none known.
+inline constexpr double least_part = 0.1;
 /// Residual at which a linear solve ends, over its initial value.
 /// Unit: 1. Test: none known.
 inline constexpr double linear_residual = 1e-2;

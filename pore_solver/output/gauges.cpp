@@ -19,6 +19,19 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+/// Unit vector into the soil across a line on a face: in 2D to the line's left, in 3D from the border of the cells
+/// beside the line to their points.
+Point3 into_the_soil(const Case& scene, const Network& network, const Piece& line) {
+  if (scene.general.dimension == 2) return line.left();
+  Point3 inwards = Point3::Zero();
+  for (const Segment& s : network.segments)
+    if (distance_from(line, s.centre) < scene.fluid.particle_spacing)
+      inwards += s.area * (network.position[s.point] - s.centre);
+  const Point3 along = (line.b - line.a).normalized();
+  inwards -= inwards.dot(along) * along;
+  return inwards.isZero(0.0) ? inwards : inwards.normalized();
+}
+
 }  // namespace
 
 Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), network_(network) {
@@ -46,9 +59,10 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
     }
     if (gauge.kind == "exit_height") {
       const Piece line{gauge.points[0], gauge.points[1]};
+      const Point3 normal = into_the_soil(scene, network, line);
       for (std::size_t i = 0; i < 2; ++i) {
         const Point3 inwards =
-            (1.0 + static_cast<double>(i)) * readings::exit_depth * scene.fluid.particle_spacing * line.left();
+            (1.0 + static_cast<double>(i)) * readings::exit_depth * scene.fluid.particle_spacing * normal;
         p.beside[i] = probes.along(line.a + inwards, line.b + inwards);
       }
     }

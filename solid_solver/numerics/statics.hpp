@@ -62,6 +62,12 @@ inline constexpr double still_serves = 0.5;
 /// Least stiffness of a pair, which keeps the matrix positive definite.
 /// Unit: shear moduli. Test: none known.
 inline constexpr double least_pair_stiffness = 0.1;
+/// Error of the displacements that the stiffness opposes to given forces (3D), in the norm of their energy.
+/// Unit: norm of these displacements. Test: Stiffness.IsSolvedInSpaceAsByFactors.
+inline constexpr double inverse_accuracy = 1e-2;
+/// Largest number of iterations for them.
+/// Unit: iterations. Test: none known.
+inline constexpr int most_inverse_iterations = 100;
 
 /// Width of the bracket of the factor of safety at which the bisection ends, over the factor.
 /// Unit: 1. Test: FactorOfSafety.OfALayerOnASlope (untried).

@@ -1,9 +1,7 @@
 #include "solid_solver/statics/stiffness.hpp"
 
-#include "common/core/error.hpp"
 #include "solid_solver/numerics/statics.hpp"
-
-#include <Eigen/SparseCholesky>
+#include "solid_solver/statics/axis_inverse.hpp"
 
 namespace poretwin::solid {
 
@@ -24,7 +22,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   // Moduli of soil without strain: one factorisation serves many windows, and a resumed run computes the same one.
   const std::vector<Elasticity>& elasticity = setup.typical;
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
-  using Matrix = Eigen::SparseMatrix<double>;
+  inverse_ = D == 2 ? by_factors<D>() : by_multigrid<D>();
   std::vector<std::size_t> free_plates;
   for (std::size_t k = 0; k < setup.plates.size(); ++k)
     if (setup.plates[k].is_free()) free_plates.push_back(k);
@@ -66,32 +64,9 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       add(i, parent, 0.5 * coupling);
       add(parent, i, 0.5 * coupling);
     });
-    Matrix matrix(static_cast<Eigen::Index>(n_free), static_cast<Eigen::Index>(n_free));
+    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(n_free), static_cast<Eigen::Index>(n_free));
     matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLLT<Matrix> done(matrix);
-    if (done.info() != Eigen::Success)
-      throw DivergedError("the soil's stiffness along an axis is not positive: report the case");
-    const Matrix lower = done.matrixL();
-    if (axis == 0) {
-      const auto& order = done.permutationP().indices();
-      place_.assign(order.data(), order.data() + order.size());
-      offset_.assign(1, 0);
-      inverse_.resize(n_free);
-      for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
-        for (Matrix::InnerIterator entry(lower, column); entry; ++entry)
-          if (entry.row() > column) row_.push_back(static_cast<Index>(entry.row()));
-        offset_.push_back(static_cast<Index>(row_.size()));
-      }
-      factor_.resize(row_.size());
-    }
-    std::size_t next = 0;
-    for (Eigen::Index column = 0; column < lower.outerSize(); ++column)
-      for (Matrix::InnerIterator entry(lower, column); entry; ++entry) {
-        if (entry.row() > column)
-          factor_[next++][axis] = static_cast<float>(entry.value());
-        else
-          inverse_[static_cast<std::size_t>(column)][axis] = 1.0 / entry.value();
-      }
+    inverse_->add(matrix);
   }
   const auto m = static_cast<Eigen::Index>(free_plates.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(m, m);
@@ -114,42 +89,16 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
 }
 
 template <int D>
-std::vector<Eigen::Array<double, D, 1>> Stiffness<D>::eliminated(const VecArray<D>& forces) const {
-  const std::size_t n = forces.size();
-  std::vector<EachAxis> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[place_[i]] = forces[i].array();
-  for (std::size_t column = 0; column < n; ++column) {
-    const EachAxis solved = x[column] *= inverse_[column];
-    for (std::size_t m = offset_[column]; m < offset_[column + 1]; ++m)
-      x[row_[m]] -= factor_[m].template cast<double>() * solved;
-  }
-  return x;
-}
+Stiffness<D>::~Stiffness() = default;
 
 template <int D>
 double Stiffness<D>::work(const VecArray<D>& forces) const {
-  EachAxis sum = EachAxis::Zero();
-  for (const EachAxis& x : eliminated(forces)) sum += x.square();
-  return sum.sum();
+  return inverse_->work(forces);
 }
 
 template <int D>
 VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
-  const std::size_t n = forces.size();
-  std::vector<EachAxis> x = eliminated(forces);
-  for (std::size_t column = n; column-- > 0;) {
-    const std::size_t first = offset_[column], last = offset_[column + 1], pairs = first + (last - first) / 2 * 2;
-    EachAxis left = x[column], other = EachAxis::Zero();  // two sums, so that the processor can add to both at once
-    for (std::size_t m = first; m < pairs; m += 2) {
-      left -= factor_[m].template cast<double>() * x[row_[m]];
-      other -= factor_[m + 1].template cast<double>() * x[row_[m + 1]];
-    }
-    if (pairs < last) left -= factor_[pairs].template cast<double>() * x[row_[pairs]];
-    x[column] = (left + other) * inverse_[column];
-  }
-  VecArray<D> moved(n);
-  for (std::size_t i = 0; i < n; ++i) moved[i] = x[place_[i]].matrix();
-  return moved;
+  return inverse_->displacements(forces);
 }
 
 template <int D>

@@ -5,30 +5,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace poretwin::solid {
+
+template <int D>
+class AxisInverse;  // axis_inverse.hpp
 
 /// The elastic operator without the terms that couple the axes, (M - G) d2/dx_a2 + G lap for the displacement along
 /// axis a (constrained modulus M, shear modulus G; second derivatives by Espanol & Revenga 2003), on the soil's initial
 /// points. A given resistance [N/m] of each particle is added to the diagonal.
 ///
 /// Its eigenvalues are those of the elastic operator within a factor that depends on Poisson's ratio only, at any size
-/// (Korn's inequality). There is one sparse Cholesky factor per axis. The factors have one sparsity pattern and are
-/// stored interleaved in floats: their product stays symmetric and positive definite, and a solve takes only the time
-/// of reading them.
+/// (Korn's inequality). In 2D it is solved by sparse Cholesky factors, in 3D, where these grow faster than the number of
+/// particles, by conjugate gradients with multigrid, to a small part of the energy (AxisInverse).
 template <int D>
 class Stiffness {
  public:
   /// lattice [m]: initial positions of all particles. Later positions are not used, so that a resumed run has the same
   /// operator to the bit.
   Stiffness(const Setup<D>& setup, const Particles<D>& particles, const VecArray<D>& lattice, ScalarArray resistance);
+  ~Stiffness();
   /// Approximate displacements [m] that balance the forces [N].
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces) const;
   /// The same of the particles and of the plates under a force, along their normals; on_plates: forces [N] along those.
   /// Returns the displacements of the particles, and sets those of the plates.
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces, const Eigen::VectorXd& on_plates,
                                           Eigen::VectorXd& plates) const;
-  /// Work [J] of the forces [N] on the displacements that balance them. It takes only half of their solve.
+  /// Work [J] of the forces [N] on the displacements that balance them. With factors it takes only half of their solve.
   [[nodiscard]] double work(const VecArray<D>& forces) const;
   /// Departure from rest [1] for forces that do this work [J] on their displacements: the error of the stress in the
   /// norm of the elastic energy, over the stress that the reference acceleration [m/s2] causes when it acts upwards.
@@ -39,16 +43,9 @@ class Stiffness {
   [[nodiscard]] const ScalarArray& resistance() const { return resistance_; }
 
  private:
-  using EachAxis = Eigen::Array<double, D, 1>;
-  /// L^-1 times the forces, in the order of elimination.
-  [[nodiscard]] std::vector<EachAxis> eliminated(const VecArray<D>& forces) const;
   ScalarArray resistance_;
-  double unit_work_ = 0.0;           ///< J s4/m2, work of the forces of unit acceleration
-  std::vector<Index> place_;         ///< row of each particle in the order of elimination
-  std::vector<Index> offset_, row_;  ///< the factors by columns without their diagonals: first entry of each column,
-                                     ///< rows of the entries
-  std::vector<Eigen::Array<float, D, 1>> factor_;
-  std::vector<EachAxis> inverse_;  ///< inverses of the diagonals
+  double unit_work_ = 0.0;  ///< J s4/m2, work of the forces of unit acceleration
+  std::unique_ptr<AxisInverse<D>> inverse_;
   /// Of each plate under a force: force [N/m] on each particle per displacement of the plate along its normal, and the
   /// displacements of the particles that balance it.
   std::vector<VecArray<D>> border_, follow_;

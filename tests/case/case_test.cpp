@@ -75,6 +75,12 @@ TEST_F(CaseFile, HasAShortestTime) {
   is(0.01 / std::sqrt(4.0384615e6 / 1560.0), "a wave of the soil");
   scene.solid.model = SolidCase::Model::rigid;
   is(std::sqrt(0.01 / 9.81), "a fall");
+  scene.fluid.representation = FluidCase::Representation::field;
+  const auto drained = scene.water_faces[0].pressure;
+  scene.water_faces[0].pressure->knots = {{0.0, 9810.0}};  // 1 m of water
+  is(0.01 / (scene.soils[0].hydraulic_conductivity / 0.4 * (1.0 + 1.0 / 0.01)), "a front's way");
+  scene.fluid.representation = FluidCase::Representation::particles;
+  scene.water_faces[0].pressure = drained;
   scene.water.kinematic_viscosity = 1e-2;
   is(0.01, "viscosity");
   scene.water_faces[0].pressure->knots = {{0.0, 2e6}};

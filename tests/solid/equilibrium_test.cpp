@@ -1,13 +1,17 @@
 // The equilibrium at the end of a window, compared with dynamic relaxation, and where soil yields with many small
 // windows.
 #include "solid_solver/phase.hpp"
+#include "solid_solver/statics/axis_inverse.hpp"
 #include "solid_solver/statics/equilibrium.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCore>
+
 #include <algorithm>
 #include <cstdio>
+#include <random>
 #include <utility>
 
 namespace poretwin::solid {
@@ -71,6 +75,56 @@ TEST(Equilibrium, InThreeDimensions) {
   spec.sides = false;
   spec.height = 0.5;
   expect_the_same_equilibrium<3>(spec);
+}
+
+/// The Laplacian of a cube of particles over a base that is held, with all 26 neighbours of each.
+Eigen::SparseMatrix<double> cube_of(int side, double along, int axis) {
+  const auto row = [&](int x, int y, int z) { return x + side * (y + side * z); };
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int a = 0; a < side * side * side; ++a) {
+    const std::array<int, 3> at{a % side, a / side % side, a / side / side};
+    for (int k = 0; k < 27; ++k) {
+      const std::array<int, 3> way{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+      const std::array<int, 3> to{at[0] + way[0], at[1] + way[1], at[2] + way[2]};
+      if (k == 13 || to[0] < 0 || to[1] < 0 || to[0] >= side || to[1] >= side || to[2] >= side) continue;
+      const double strength = way[static_cast<std::size_t>(axis)] != 0 ? along : 1.0;
+      entries.emplace_back(a, a, strength);
+      if (to[2] >= 0) entries.emplace_back(a, row(to[0], to[1], to[2]), -strength);
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(side * side * side, side * side * side);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// In 3D the stiffness is inverted by iterations, for smooth forces and for such as alternate.
+TEST(Stiffness, IsSolvedInSpaceAsByFactors) {
+  constexpr int side = 16;
+  const auto exact = by_factors<3>(), iterated = by_multigrid<3>();
+  std::array<Eigen::SparseMatrix<double>, 3> matrix;
+  for (int axis = 0; axis < 3; ++axis) {
+    matrix[static_cast<std::size_t>(axis)] = cube_of(side, 3.0, axis);
+    exact->add(matrix[static_cast<std::size_t>(axis)]);
+    iterated->add(matrix[static_cast<std::size_t>(axis)]);
+  }
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  VecArray<3> weight(side * side * side, Vec<3>(0.1, 0.0, -1.0)), noise = weight;
+  for (Vec<3>& f : noise) f = Vec<3>(normal(random), normal(random), normal(random));
+  for (const VecArray<3>& force : {weight, noise}) {
+    const VecArray<3> x = exact->displacements(force), y = iterated->displacements(force);
+    double wrong = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::VectorXd e(side * side * side);
+      for (Eigen::Index i = 0; i < e.size(); ++i)
+        e[i] = y[static_cast<std::size_t>(i)][axis] - x[static_cast<std::size_t>(i)][axis];
+      wrong += e.dot(matrix[static_cast<std::size_t>(axis)] * e);
+    }
+    const double work = exact->work(force);
+    std::printf("error of the energy's norm %.2g\n", std::sqrt(wrong / work));
+    EXPECT_LT(std::sqrt(wrong / work), 0.01);
+    EXPECT_NEAR(iterated->work(force), work, 1e-3 * work);
+  }
 }
 
 /// Plastic strain and displacement [m] of a block whose foot yields, when its weight is applied in so many equal parts.
