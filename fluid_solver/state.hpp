@@ -23,6 +23,7 @@ struct Particles {
   OrZero<Vec<D>> solid_change;      ///< change of that velocity in the window, v_s' - v_s, m/s
   OrZero<Vec<D>> drag_impulse;      ///< drag impulse on the soil in the last window, N s
   OrZero<double> surface_share;     ///< 1: in moving soil, beside its free surface
+  OrZero<double> spreading;         ///< 1/s, expansion that repairs the packing and takes the soil along
   OrZero<Vec<D>> surface_gradient;  ///< gradient of the total pressure at that surface, Pa/m
   /// Force of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> coupling_force;
@@ -78,6 +79,7 @@ struct Particles {
     visit_if_there(coupling_force);
     visit_if_there(previous_coupling_force);
     visit_if_there(surface_share);
+    visit_if_there(spreading);
     visit_if_there(surface_gradient);
     visit_if_there(entrained_fraction);
     visit_if_there(closed_body);
@@ -115,8 +117,8 @@ struct Particles {
       array->grow();
     closed_body.grow();
     soil.grow();
-    for (auto* array :
-         {&surface_share, &entrained_fraction, &void_volume, &deferred_strain, &unseen_rate, &unseen_strain})
+    for (auto* array : {&surface_share, &spreading, &entrained_fraction, &void_volume, &deferred_strain, &unseen_rate,
+                        &unseen_strain})
       array->grow();
   }
 

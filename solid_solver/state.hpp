@@ -225,6 +225,7 @@ template <int D>
 struct External {
   OrZero<double> pressure, coverage;  ///< pore pressure [Pa]; fraction of each particle covered by water
   OrZero<double> saturation;          ///< degree of saturation s_r
+  OrZero<double> spreading;           ///< 1/s, expansion that evens out the points of soil and water: no strain
   OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) or (61), at the end of the last window
   OrZero<Vec<D>> force;               ///< N/m3, force of pressure and drag on the skeleton, at the end of the last
                                       ///< window

@@ -53,6 +53,8 @@ inline constexpr std::string_view soil_fraction = "soil_fraction";  // mask: 1 i
 inline constexpr std::string_view surface_share =
     "surface_share";  // mask: 1 at the free surface of water in moving soil, else 0
 inline constexpr std::string_view surface_gradient = "surface_gradient";  // Pa/m, pressure gradient there
+inline constexpr std::string_view spreading_rate =
+    "spreading_rate";  // 1/s, expansion of the mixture that strains no skeleton
 // solid -> fluid
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window

@@ -78,6 +78,14 @@ constexpr std::array fields{
                   .bounds = share,
                   .meaning = "1 where water of moving soil lies at its free surface: there the solid takes "
                              "`surface_gradient` for its own; 0 elsewhere"},
+    StandardField{.giver = fluid,
+                  .name = field::spreading_rate,
+                  .unit = "1/s",
+                  .mask = field::soil_fraction,
+                  .bounds = any,
+                  .meaning =
+                      "rate at which the fluid's repair of its packing expands the mixture and takes moving soil "
+                      "along: it is no strain of the skeleton; 0 elsewhere"},
     StandardField{.giver = solid,
                   .name = field::solid_velocity,
                   .unit = "m/s",

@@ -23,7 +23,7 @@ struct Cloud {
   ScalarArray pressure;  ///< total, Pa
   VecArray<D> velocity;
   OrZero<Vec<D>> solid_velocity, solid_change, surface_gradient;
-  OrZero<double> surface_share;
+  OrZero<double> surface_share, spreading;
   ScalarArray mask, void_fraction;
   sph::Sight<D> sight;        ///< lines of sight past the walls
   std::vector<Index> column;  ///< [buffers, which follow the particles] the face column of each
@@ -57,6 +57,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   c.solid_change = p.solid_change;
   c.surface_gradient = p.surface_gradient;
   c.surface_share = p.surface_share;
+  c.spreading = p.spreading;
   c.mask = p.mask;
   c.void_fraction = p.void_fraction;
   for (const auto& b : make_buffers(state.columns)) {
@@ -68,6 +69,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
     c.velocity.push_back(column.speed * column.normal);
     for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient}) v->grow();
     c.surface_share.grow();
+    c.spreading.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(column.void_fraction);
   }
@@ -78,6 +80,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
     c.velocity.push_back(Vec<D>::Zero());
     for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient}) v->grow();
     c.surface_share.grow();
+    c.spreading.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(1.0);
   }
@@ -107,6 +110,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
     c.velocity.push_back(sticks ? Vec<D>(-c.velocity[q]) : Vec<D>(images.map[i] * c.velocity[q] + images.carried[i]));
     for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient})
       if (v->is_allocated()) v->values().push_back(images.map[i] * (*v)[q]);
+    if (c.spreading.is_allocated()) c.spreading.values().push_back(c.spreading[q]);
     if (c.surface_share.is_allocated()) c.surface_share.values().push_back(c.surface_share[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);

@@ -194,8 +194,11 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
     return values;
   };
   out.points.position = flat(cloud.position, cloud.size());
-  std::vector<double> share(cloud.size(), 0.0);
-  for (std::size_t a = 0; a < cloud.size(); ++a) share[a] = cloud.surface_share[a];
+  std::vector<double> share(cloud.size(), 0.0), spreading(cloud.size(), 0.0);
+  for (std::size_t a = 0; a < cloud.size(); ++a) {
+    share[a] = cloud.surface_share[a];
+    spreading[a] = cloud.spreading[a];
+  }
   const auto name = [](std::string_view n) { return std::string(n); };
   out.fields = {{name(coupling::field::pore_pressure), 1, cloud.pressure},
                 {name(coupling::field::predicted_solid_velocity), D, flat(cloud.solid_velocity, cloud.size())},
@@ -203,7 +206,8 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
                 {name(coupling::field::drag_impulse), D, flat(state.particles.drag_impulse, cloud.n_real)},
                 {name(coupling::field::soil_fraction), 1, cloud.mask},
                 {name(coupling::field::surface_gradient), D, flat(cloud.surface_gradient, cloud.size())},
-                {name(coupling::field::surface_share), 1, share}};
+                {name(coupling::field::surface_share), 1, share},
+                {name(coupling::field::spreading_rate), 1, spreading}};
   return out;
 }
 

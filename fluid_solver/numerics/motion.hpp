@@ -88,6 +88,9 @@ inline constexpr double pushed_repair = 0.3;
 /// Least time in which a packing error is removed. A repair in less than two windows overshoots and oscillates.
 /// Unit: windows. Test: none known.
 inline constexpr double repair_windows = 2.0;
+/// Membership in the soil from which on the repair of the packing takes soil along.
+/// Unit: 1. Test: none known.
+inline constexpr double in_soil = 0.5;
 /// Displacement of a particle in a window from which on shifting acts in full.
 /// Unit: spacings. Test: none known.
 inline constexpr double shifts_from = 0.02;

@@ -20,6 +20,11 @@ inline constexpr double inside_moment = 0.88;
 /// Unit: 1. Test: Operators.DirectionsWithoutNeighboursAreBlind (untried).
 inline constexpr double least_inverted = 0.3;
 
+/// Least eigenvalue of the moment of a particle's pairs with other particles, over that inside the water, with which a
+/// slope of the pressure is fitted to them. It is 0.5 in the row along a wall or a surface and 0.25 in a corner.
+/// Unit: 1. Test: Operators.PairsShowNoLinearPressureAndAllOfAnAlternatingOne (untried).
+inline constexpr double least_pair_moment = 0.1;
+
 /// Divergence of position over the number of dimensions from which on a difference from 1 counts as disorder, for which
 /// the Laplacian is corrected. Below it lies a surface.
 /// Unit: 1. Test: none known.

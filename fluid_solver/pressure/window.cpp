@@ -3,6 +3,7 @@
 #include "common/numerics/aggregates.hpp"
 #include "common/numerics/multigrid.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/discretisation/unresolved_pressure.hpp"
 #include "fluid_solver/numerics/pressure.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
 
@@ -384,8 +385,8 @@ class WindowSolver {
     return rest;
   }
 
-  /// st (Lp + D.G) applied to a change of pressure, weighted with the volume: Laplacian minus wide Laplacian
-  /// (docs/theory/water.md).
+  /// The stabilisation applied to a change of pressure, weighted with the volume (docs/theory/water.md): st (Lp + D.G),
+  /// Laplacian minus wide Laplacian, and in water of moving soil st S(p), which sees no linear pressure.
   ScalarArray stabilised(std::span<const double> change) const {
     return stabilised(change, plain_gradient(change, true));
   }
@@ -394,6 +395,10 @@ class WindowSolver {
     plain_.apply(change, std::span<double>(result));
     const ScalarArray wide = divergence<D>(s_, gradient);
     for (std::size_t a = 0; a < n_; ++a) result[a] = stabilisation_[a] * (result[a] + s_.volume[a] * wide[a]);
+    if (unresolved_.empty()) return result;
+    const ScalarArray alternating = unresolved_(change);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (in_.in_seepage[a] == 0) result[a] = stabilisation_[a] * alternating[a];
     return result;
   }
   double cavitation_pressure(std::size_t a) const {
@@ -699,11 +704,9 @@ class WindowSolver {
     prepare_flow();
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
-    fixed_.assign(n_, 0.0);
-    for (std::size_t a = 0; a < n_; ++a) {
-      fixed_[a] = from_faces(a, 1.0).value_or(0.0);
-      add_surface(plain_, a, 1.0, &fixed_[a]);
-    }
+    for (std::size_t a = 0; a < n_; ++a) add_surface(plain_, a, 1.0, nullptr);
+    if (domain_.any(std::find(in_.in_seepage.begin(), in_.in_seepage.end(), char{0}) != in_.in_seepage.end()))
+      unresolved_ = UnresolvedPressure<D>(s_, plain_);
   }
 
   void build_vector_stiffness() {
@@ -790,12 +793,10 @@ class WindowSolver {
   /// that the wide gradient does not resolve. In short windows of moving soil nothing damps them; there it acts on the
   /// whole pressure, as in free water, whose projection is compact.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
-    if (!any_response_ || in_.in_seepage.empty() ||
-        std::all_of(in_.in_seepage.begin(), in_.in_seepage.end(), [](char in_seepage) { return in_seepage != 0; }))
-      return;
-    const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
+    if (unresolved_.empty()) return;
+    const ScalarArray alternating = unresolved_(pressure);
     for (std::size_t a = 0; a < n_; ++a)
-      if (in_.in_seepage[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
+      if (in_.in_seepage[a] == 0) residual[a] -= stabilisation_[a] * alternating[a];
   }
 
   /// A velocity of the skeleton at all points; it is reversed behind walls that fix the soil.
@@ -1049,7 +1050,8 @@ class WindowSolver {
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< initial pressure; diagonal and right-hand side without
                                                        ///< cavitation
   double negligible_power_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
-  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
+  UnresolvedPressure<D> unresolved_;  ///< empty where no soil moves
+  ScalarArray boundary_, stabilisation_, storage_, H_diagonal_;
   ScalarArray H_inverse_;                    ///< [n] inverse diagonal of the preconditioner
   std::optional<Aggregates<D>> aggregates_;  ///< coarse space for the skeleton's stiffness
   std::vector<float> image_weight_;          ///< [pairs] N s/m, weights of the skeleton's stiffness

@@ -32,6 +32,10 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       four.void_ratio = volume / (grain_share * grains) - 1.0;
       Lanes rate{}, closest = grains + flow::pores_left * (reference - grains);
       for (int d = 0; d < D; ++d) rate += gradient[d + D * d];
+      // What only evens out the points is no strain of the soil.
+      Lanes spreading;
+      take_each(state.external.spreading, i, spreading);
+      rate -= spreading;
       max_in_place(closest, 0.5 * reference);
       volume *= 1.0 + dt * rate;
       max_in_place(volume, closest);
@@ -39,6 +43,7 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       batch.volume[q].v = volume;
       spin_rate<D>(four.stress, gradient, turning);
       strain_rate<D>(gradient, four.strain);
+      for (int d = 0; d < D; ++d) four.strain[d] -= spreading / D;
       Lanes share = Lanes{} + 1.0;
       if (setup.soft_edges) {
         Lanes upper[D * (D + 1) / 2];

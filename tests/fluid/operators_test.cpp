@@ -2,6 +2,7 @@
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/boundary/faces.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
+#include "fluid_solver/discretisation/unresolved_pressure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -75,6 +76,57 @@ void expect_linear_exactness() {
     EXPECT_NEAR(d[a], shear.trace(), 1e-10) << a;
   }
   EXPECT_LE(sparse, D == 2 ? 4u : x.size() / 5);
+}
+
+// Disordered points between walls: nothing under a linear pressure, corners included, and what one particle gets others
+// give. On a lattice all of a pressure that alternates from point to point, whose gradient is zero. A fit that leaves
+// out pairs of the corners (least_pair_moment) sees a linear pressure there.
+template <int D>
+void expect_only_alternating_pressures_seen() {
+  VecArray<D> x;
+  const auto planes = walls<D>();
+  const auto s = box<D>(0.2, 8, planes, &x);
+  const PairMatrix laplacian = fluid::laplacian<D>(s, {});
+  const UnresolvedPressure<D> unresolved(s, laplacian);
+  ScalarArray linear, disordered;
+  std::mt19937_64 generator(5);
+  std::uniform_real_distribution<double> noise(-1.0, 1.0);
+  for (const auto& point : x) {
+    linear.push_back(1.0 + point.dot(Vec<D>::LinSpaced(D, 2.0, -3.0)));
+    disordered.push_back(noise(generator));
+  }
+  ScalarArray plain(x.size());
+  laplacian.apply(std::span<const double>(linear), std::span<double>(plain));
+  double largest = 0.0, sum = 0.0, size = 0.0;
+  for (const double value : plain) largest = std::max(largest, std::abs(value));
+  for (const double value : unresolved(linear)) EXPECT_LT(std::abs(value), 1e-9 * largest);
+  for (const double value : unresolved(disordered)) {
+    sum += value;
+    size += std::abs(value);
+  }
+  EXPECT_LT(std::abs(sum), 1e-6 * size);  // weights are single precision
+
+  const auto lattice = box<D>(0.0, 12, planes, &x);
+  const PairMatrix of_lattice = fluid::laplacian<D>(lattice, {});
+  ScalarArray alternating;
+  for (const auto& point : x)
+    alternating.push_back(std::lround((12.0 * point - Vec<D>::Constant(0.5)).sum()) % 2 == 0 ? 1.0 : -1.0);
+  plain.assign(x.size(), 0.0);
+  of_lattice.apply(std::span<const double>(alternating), std::span<double>(plain));
+  const ScalarArray seen = UnresolvedPressure<D>(lattice, of_lattice)(alternating);
+  std::size_t inside = 0;
+  for (std::size_t a = 0; a < x.size(); ++a) {
+    if ((x[a] - Vec<D>::Constant(0.5)).cwiseAbs().maxCoeff() > 0.1) continue;  // no gradient within reach of a wall
+    EXPECT_NEAR(seen[a], plain[a], 1e-4 * std::abs(plain[a]));  // so even are weights of single precision
+    EXPECT_GT(std::abs(plain[a]), 0.0);
+    ++inside;
+  }
+  EXPECT_EQ(inside, D == 2 ? 4u : 8u);
+}
+
+TEST(Operators, PairsShowNoLinearPressureAndAllOfAnAlternatingOne) {
+  expect_only_alternating_pressures_seen<2>();
+  expect_only_alternating_pressures_seen<3>();
 }
 
 TEST(Operators, GradientAndDivergenceAreExactForLinearFields) {

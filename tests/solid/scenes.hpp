@@ -85,7 +85,8 @@ coupling::Inbox wet_inbox(const Solid<D>& solid, const std::function<double(cons
                   {std::string(coupling::field::drag_impulse), D, std::vector<double>(n * D, 0.0)},
                   {std::string(coupling::field::soil_fraction), 1, std::vector<double>(n, 1.0)},
                   {std::string(coupling::field::surface_gradient), D, std::vector<double>(n * D, 0.0)},
-                  {std::string(coupling::field::surface_share), 1, std::vector<double>(n, 0.0)}};
+                  {std::string(coupling::field::surface_share), 1, std::vector<double>(n, 0.0)},
+                  {std::string(coupling::field::spreading_rate), 1, std::vector<double>(n, 0.0)}};
   return inbox;
 }
 

@@ -106,6 +106,31 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
+// What evens out the points of soil and water is no strain. Soil at rest that should have expanded at a rate r has been
+// compressed by r dt: the stress is that of this strain in the plane, and the volume has fallen by it.
+TEST(Window, SpreadingThatEvensOutThePointsIsNoStrain) {
+  ColumnSpec spec;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  spec.gravity = 0.0;
+  Solid<2> solid(column(spec));
+  auto inbox = test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; });
+  solid.initialise(inbox);
+  const ScalarArray volume = solid.state().particles.volume;
+  const double rate = 1e-3, interval = 1e-5;
+  for (auto& r : values(inbox, field::spreading_rate)) r = rate;
+  ASSERT_TRUE(solid.advance({0, 0.0, interval}, inbox).accepted);
+  ASSERT_EQ(solid.state().substeps, 1.0);
+  const Elasticity elasticity = Elasticity::of(column(spec).soils[0]);
+  const double strain = -rate * interval, mean = elasticity.bulk * strain, deviator = elasticity.shear * strain / 3.0;
+  for (std::size_t i = 0; i < volume.size(); ++i) {
+    const Tensor& stress = solid.state().particles.stress[i];
+    EXPECT_NEAR(stress[0], mean + deviator, 1e-9 * std::abs(mean));
+    EXPECT_NEAR(stress[2], mean - 2.0 * deviator, 1e-9 * std::abs(mean));
+    EXPECT_NEAR(solid.state().particles.volume[i] / volume[i], 1.0 + strain, 1e-15);
+  }
+}
+
 // At the free surface of the water the soil takes the part surface_share of the pressure gradient from
 // surface_gradient: here half of it is 3000 Pa/m, the other half its own, 1000 Pa/m. The pressure grows as a ramp.
 TEST(Window, SoilTakesTheGradientItIsToldAtTheWatersSurface) {

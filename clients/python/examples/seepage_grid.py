@@ -100,6 +100,7 @@ class SeepageGrid(poretwin.Phase):
             "soil_fraction": np.ones(len(self.points)),
             "surface_gradient": np.zeros((len(self.points), 2)),
             "surface_share": np.zeros(len(self.points)),  # 0: the solid uses its own pressure gradient
+            "spreading_rate": np.zeros(len(self.points)),  # 0: all motion of the soil strains it
         })
 
     def advance(self, window, inbox):

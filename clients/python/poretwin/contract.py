@@ -11,6 +11,7 @@ STANDARD: dict[str, list[tuple[str, str, bool, str, str]]] = {
         ("soil_fraction", "1", False, "consistent", ""),
         ("surface_gradient", "Pa/m", True, "consistent", "surface_share"),
         ("surface_share", "1", False, "consistent", ""),
+        ("spreading_rate", "1/s", False, "consistent", "soil_fraction"),
     ],
     "solid": [
         ("solid_velocity", "m/s", True, "consistent", ""),
