@@ -67,8 +67,8 @@ class Stepper {
   std::pair<double, double> borne_error(std::span<const double> content_error);
   /// Sets the pores to those at a fraction of the step.
   void see(const Skeleton& soil, double share);
-  /// Finds the variables with water(u) = base + interval * net(u) by iteration from the present ones; false where it
-  /// does not converge.
+  /// Solves a stage by Newton's iteration from the present variables u: the water in each cell is what it holds without
+  /// this stage's flow (base_) plus interval [s] times its net inflow at u (net_). False where it does not converge.
   bool solve(double interval, State& state);
   /// Solves the matrix for x, to a residual of `tolerance` times the norm of `right`; returns the number of iterations.
   double solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const;

@@ -249,8 +249,8 @@ class Flood {
     });
   }
 
-  /// Does water at x belong to the air or still water behind a face? Not where x lies below the face: such water has
-  /// passed through a gap.
+  /// Has water at x left the domain through an outlet or a reservoir's face? Not where x lies below the lower end of
+  /// the face: water can get there only through a gap, which is a leak.
   [[nodiscard]] bool taken(const Point3& x) const {
     return std::any_of(takers_.begin(), takers_.end(), [&](const WaterFace* face) {
       const auto& points = face->face.points;

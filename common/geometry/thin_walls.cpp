@@ -141,9 +141,10 @@ bool sight_matters(const Case& scene) {
 }
 
 /// Walls need a thickness of 5 spacings with water on both sides (two kernel reaches), of 3 with water on one side (one
-/// reach). Measured without lines of sight: still water on both sides stays at rest from 5 spacings on (0.7 m/s at 4,
-/// diverges at 2), and seepage is right from there on (1.4 % off at 4, NaN at 3); water on one side is right from 3 on
-/// (7 % too much pressure at 1).
+/// reach), unless particles on opposite sides are kept from interacting (`Sight`). Measured without that: from 5
+/// spacings on, still water on both sides stays at rest (at 4 it moves at 0.7 m/s, at 2 the run diverges), and seepage
+/// is right (1.4 % off at 4, NaN at 3). Water on one side is right from 3 spacings on (at 1 its pressure is 7 % too
+/// high).
 std::vector<ThinWall> thin_walls(const Case& scene) {
   std::vector<ThinWall> found;
   if (scene.general.dimension != 2 || !scene.has_water()) return found;

@@ -335,9 +335,10 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, b
   return buffers;
 }
 
-/// Length, in spacings, over which the slope at a face lets an even pressure fall to the face's so that the pressure
-/// gradients sum to that fall, with the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, with F =
-/// -W'/r summed over a row s rows away (docs/theory/coupling.md, "Loads on a drained face").
+/// m/2 [spacings], with m = sum_s s^3 F / sum_s s^2 F and F = -W'/r summed over the row at the distance of s spacings.
+/// A sudden load makes the pressure p0 uniform behind a drained face. With the slope p0 / (m/2) at the face and the
+/// first row half a spacing inside, the pressure gradients of all rows sum to the fall p0 at the face
+/// (docs/theory/coupling.md, "Loads on a drained face").
 template <int D>
 double length_of_even_fall() {
   static const double value = [] {

@@ -8,8 +8,9 @@
 
 namespace poretwin::fluid {
 
-/// Pressures that alternate from row to row have no gradient. Each pair of particles shows them as what the mean of
-/// both gradients G does not explain of its difference of pressure:
+/// The gradient G of a pressure that alternates from row to row is zero. Such a pressure shows in each pair of
+/// particles: the mean of the two gradients does not account for the whole difference between the two pressures. The
+/// remainder, summed over the pairs of a particle, is
 ///
 ///     S(p)_a = sum_b w_ab [p_a - p_b - (G_a + G_b).(x_a - x_b) / 2],   w_ab: weight of the pair in a Laplacian
 ///
@@ -18,9 +19,9 @@ namespace poretwin::fluid {
 /// Laplacian less the divergence of the gradient has neither property: on disordered points it is 2 g.sum V grad W
 /// under a linear pressure of slope g (decision 0031).
 ///
-/// G is fitted to the pairs with other particles. Images beyond periodic sides are particles like any other. Those
-/// behind walls have no part in it: they have their parents' pressures, although the pressure in moving soil has a
-/// slope at walls. Nor have water faces and the free surface.
+/// G is fitted to the pairs with other particles. Images beyond periodic sides are particles like any other. Images
+/// behind walls are left out: they have their parents' pressures, although the pressure in moving soil has a slope at
+/// walls. Water faces and the free surface are left out, too.
 template <int D>
 class UnresolvedPressure {
  public:

@@ -161,8 +161,9 @@ void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
     Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
     crossing.normal = n;
     crossing.level = n.dot(wall.point);
-    // An image behind several walls is the parent reflected at each of them. The body force is reflected at the other
-    // walls only: multiplied by rule.map without the reflection at this wall.
+    // Takes the parent's body force to the image. Behind several walls rule.map reflects at each of them. At this wall
+    // itself the body force is not reflected, since the stress continues across the wall with the slope that the body
+    // force causes: the second factor undoes that reflection.
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
     if (wall.kind == Kind::roller) crossing.share = normal_part * crossing.share;
     if (wall.kind == Kind::frictional) crossing.friction = wall.friction;

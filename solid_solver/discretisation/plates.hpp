@@ -32,8 +32,8 @@ struct PlateSetup {
   [[nodiscard]] double force_at(double time) const;
 };
 
-/// What a plate is to do in a step: to be at `target` [m] at its end (a plate under a force: along its line), and the
-/// force on it along its normal [N].
+/// What the case prescribes for a plate in a step: its displacement at the step's end, `target` [m], and the force on
+/// it along its normal [N]. Of a plate under a force only the displacement along its line is prescribed.
 template <int D>
 struct PlateOrder {
   Vec<D> target = Vec<D>::Zero();

@@ -10,11 +10,11 @@ namespace poretwin::solid {
 template <int D>
 void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
 
-/// Sums the forces of the skeleton and of the pore water on each plate [N], of the present state. That of the skeleton
-/// is minus the forces on the soil's particles of the images behind the plate, stabilising forces included. That of the
-/// water is the force that a stress as large as the pore pressure at the plate would have, p - d n . grad p with the
-/// distance d from the plate: the effective stress is continued to the plate in the same way. The forces of the state
-/// must be current.
+/// Sums the forces of the skeleton and of the pore water on each plate [N], in the present state. The skeleton's is
+/// minus the sum of the forces that the images behind the plate exert on the soil's particles, stabilising forces
+/// included. The water's is the force of a stress as large as the pore pressure at the plate, p - d n . grad p, with
+/// the particle's distance d from the plate and the plate's normal n: the effective stress is extrapolated to the plate
+/// in the same way. The forces of the state must be current.
 template <int D>
 void measure_reactions(const Setup<D>& setup, State<D>& state);
 
