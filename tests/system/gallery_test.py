@@ -74,7 +74,8 @@ class Gallery(unittest.TestCase):
                 case = words[2]
                 done = subprocess.run([PROGRAM, "check", *gallery.check_of(shlex.join(words))], cwd=SOURCE, capture_output=True, text=True)
                 self.assertEqual(done.returncode, 0, f"{words}: {done.stderr}")
-            self.assertTrue((SOURCE / "cases" / case / "case.toml").exists(), words)
+            file = SOURCE / case if case.endswith(".toml") else SOURCE / "cases" / case / "case.toml"
+            self.assertTrue(file.exists(), words)
 
 
 if __name__ == "__main__":
