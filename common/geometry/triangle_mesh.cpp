@@ -137,6 +137,16 @@ double TriangleMesh::winding_number(const Vec<3>& x) const {
   return angle / (4.0 * std::numbers::pi);
 }
 
+bool TriangleMesh::contains(const Vec<3>& x) const {
+  if (nodes_[0].distance2(x) > 0.0) return false;
+  constexpr double straight = 1e-9;  // sine of the angle between the way to the facet and its normal
+  if (const auto near = nearest(x, HUGE_VAL); near && near->distance > 0.0) {
+    const Vec<3> way = (x - near->point) / near->distance, outwards = normal(near->facet);
+    if (way.cross(outwards).norm() < straight) return way.dot(outwards) < 0.0;
+  }
+  return winding_number(x) > 0.5;
+}
+
 Vec<3> TriangleMesh::nearest_on(Index facet, const Vec<3>& x) const {
   return poretwin::nearest_on(corner(facet, 0), corner(facet, 1), corner(facet, 2), x);
 }

@@ -28,8 +28,10 @@ class TriangleMesh {
   /// How often the surface winds around x: 1 inside, 0 outside (Jacobson et al. 2013); far parts of the surface as
   /// dipoles (Barill et al. 2018).
   [[nodiscard]] double winding_number(const Vec<3>& x) const;
-  /// Whether x lies inside the closed surface. Most places lie outside its box, which saves the winding number.
-  [[nodiscard]] bool contains(const Vec<3>& x) const { return nodes_[0].distance2(x) <= 0.0 && winding_number(x) > 0.5; }
+  /// Whether x lies inside the closed surface. Outside its box it does not. Else the side of the nearest facet tells it,
+  /// where that facet lies straight before x; where it is met at an edge, the winding number does, which costs ten times
+  /// as much.
+  [[nodiscard]] bool contains(const Vec<3>& x) const;
 
   struct Nearest {
     Index facet = 0;

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <map>
 #include <numbers>
+#include <random>
 
 namespace poretwin {
 namespace {
@@ -83,6 +84,26 @@ TEST(Solids, HaveTheVolumesOfTheirFormulas) {
   Shape ring = polygon({{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}});
   ring.around = {2};
   EXPECT_NEAR(with_solid(ring, dx).solid->volume(), 3.0 * pi, 1e-12);
+}
+
+/// Whether a place is inside is told by the nearest facet; it is what the winding number says, at notches and ridges, too.
+TEST(Solids, AreEnteredThroughTheirNearestFacet) {
+  Shape notched;
+  notched.kind = Shape::Kind::polygon;
+  notched.points = {{0, 0, 0}, {1, 0, 0}, {0.6, 0.5, 0}, {1, 1, 0}, {0, 1, 0}, {0.1, 0.5, 0}};
+  notched.along = {1};
+  notched.to = 1.0;
+  for (const Shape& shape : {notched, turned_box(), ball(0.6), cylinder(0.5, 1.0, Point3(1, 1, 1))}) {
+    const TriangleMesh mesh(surface_of(shape, 0.2, [](const std::string&) { return std::string(); }));
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> anywhere(-2.5, 1.5);
+    for (int k = 0; k < 20000; ++k) {
+      const Point3 x(anywhere(random), anywhere(random), anywhere(random));
+      const double turns = mesh.winding_number(x);
+      if (std::abs(turns - 0.5) < 0.1) continue;  // on the surface
+      EXPECT_EQ(mesh.contains(x), turns > 0.5) << x.transpose();
+    }
+  }
 }
 
 TEST(Solids, KnowHowFarTheirBorderIs) {
