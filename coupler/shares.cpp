@@ -153,7 +153,9 @@ class Shares {
         *reinterpret_cast<LooseLanes*>(scale_.data() + j) = balanced ? after : before;
       }
     });
-    return *std::max_element(&worst.v[0], &worst.v[0] + n_lanes);
+    double most = worst.v[0];
+    for (std::size_t l = 1; l < n_lanes; ++l) most = std::max(most, worst.v[l]);
+    return most;
   }
 
   const PairBlocks<D>&at_givers_, &at_receivers_;

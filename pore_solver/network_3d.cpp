@@ -204,7 +204,9 @@ class Maker {
     auto sides = sides_of(cell, stretch_);
     // A cell that is still open reaches beyond the soil, where parts of facets are no border. Facets that are border
     // all over the cell cut it first, the others by what is left of it.
-    for (const auto& [share, n] : in_two_passes(near)) {
+    for (const auto& pass : in_two_passes(near)) {
+      const double share = pass.first;
+      const TriangleMesh::Nearest& n = pass.second;
       const auto& triangles = surface_.facets().triangles();
       Polygon facet;
       for (const Index corner : triangles.facets[n.facet])

@@ -173,7 +173,9 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
 
 std::size_t first_outside(std::span<const double> values, double low, double high) {
   constexpr std::size_t at_once = 64;  // values compared together, without branches
-  const auto within = [&](std::size_t k) { return (values[k] >= low) & (values[k] <= high); };
+  const auto within = [&](std::size_t k) {
+    return (static_cast<int>(values[k] >= low) & static_cast<int>(values[k] <= high)) != 0;
+  };
   for (std::size_t first = 0; first < values.size(); first += at_once) {
     const std::size_t last = std::min(first + at_once, values.size());
     bool all = true;

@@ -27,7 +27,7 @@ constexpr int most_steps = 60;
 }  // namespace
 
 Lattice<3> deepest_in(const Solid& solid, double spacing, const Point3& offset) {
-  const auto& [lower, upper] = solid.bounds();
+  const Point3 lower = solid.bounds().first, upper = solid.bounds().second;
   std::array<int, 3> count{};
   Point3 step;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -35,7 +35,7 @@ Lattice<3> deepest_in(const Solid& solid, double spacing, const Point3& offset) 
     count[d] = std::max(1, static_cast<int>(std::lround((upper - lower)[axis] / spacing)));
     step[axis] = (upper - lower)[axis] / count[d];
   }
-  const auto [nx, ny, nz] = count;
+  const int nx = count[0], ny = count[1], nz = count[2];
   const std::size_t cells = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz);
   const auto place = [&](std::size_t k) {
     const auto i = static_cast<double>(k % static_cast<std::size_t>(nx)),

@@ -258,7 +258,8 @@ std::optional<Vec<3>> crossing_of(const std::array<Vec<3>, 3>& t, const std::arr
 }  // namespace
 
 std::optional<MeshFault> fault_of(const TriangleMesh& mesh) {
-  const auto& [points, facets] = mesh.triangles();
+  const VecArray<3>& points = mesh.triangles().points;
+  const std::vector<Facet>& facets = mesh.triangles().facets;
   std::map<std::pair<Index, Index>, std::vector<std::pair<Index, bool>>> edges;
   for (Index f = 0; f < facets.size(); ++f) {
     if (mesh.normal(f).isZero(0.5)) return MeshFault{fmt::format("facet {} has no area", f + 1), points[facets[f][0]]};

@@ -240,7 +240,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       Lanes flows;
       take_each(state.scratch.flows, i, flows);
       const LaneMask flowing = flows > 0.0;
-      const Lanes flowed = flowing & (shear < elastic) ? shear / elastic : Lanes{} + 1.0;
+      const Lanes flowed = (flowing & (shear < elastic)) ? shear / elastic : Lanes{} + 1.0;
       for (int a = 0; a < n_components<D>; ++a) four.stress[a] += flow::stress_share * scale * flowed * around[a];
       // In wet soil a volume is the space that the soil's motion leaves, which water fills: moved to particles that hardly
       // yield, it would press water out of them or draw it in. Only what rows that slide past each other err by is

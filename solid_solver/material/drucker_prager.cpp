@@ -36,7 +36,7 @@ struct Cones {
   [[gnu::always_inline]] void tension_limit(Number& limit) const {
     limit = Number{} + 3.0 * tensile_strength;
     const Number apex = k / alpha;
-    limit = (alpha > 0.0) & (apex < limit) ? apex : limit;
+    limit = ((alpha > 0.0) & (apex < limit)) ? apex : limit;
   }
 };
 
@@ -78,7 +78,7 @@ template <class In>
   sqrt_in_place(root);
   const typename In::Mask grows = b > 0.0;
   share = (grows ? -c : root - b) / (grows ? b + root : a);
-  share = ((b < 0.0) | (c < 0.0)) & (share > 0.0) & (share < 1.0) ? share : Number{};
+  share = (((b < 0.0) | (c < 0.0)) & (share > 0.0) & (share < 1.0)) ? share : Number{};
 }
 
 /// Integral of dt / radius over the increment (t from 0 to 1), with the radius linear in t; infinite where it is not

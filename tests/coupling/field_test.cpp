@@ -12,7 +12,7 @@ namespace {
 using test::last;
 using test::line;
 
-constexpr double width = 0.06, height = 0.4, spacing = 0.02, porosity = 0.4, load = 1000.0, modulus = 4e6;
+constexpr double width = 0.06, height = 0.4, spacing = 0.02, load = 1000.0, modulus = 4e6;
 
 Gauge point(const std::string& phase, const std::string& quantity, double y) {
   return test::gauge_at(phase, quantity, 0.5 * width, y);

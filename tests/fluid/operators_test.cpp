@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
+
 #include <random>
 
 namespace poretwin::fluid {
