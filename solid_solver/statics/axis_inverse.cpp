@@ -140,12 +140,19 @@ class ByMultigrid final : public AxisInverse<D> {
       const Axis& own = axes_[static_cast<std::size_t>(axis)];
       for (std::size_t i = 0; i < n; ++i) force[i] = forces[i][axis];
       std::fill(x.begin(), x.end(), 0.0);
-      own.multigrid->cycle(force, z);
+      own.multigrid->cycle(force, z);  // also the first step of the iteration
       const double energy = domain.dot(force, z);
       if (energy > 0.0)
         reduce_residual(
             domain, [&](auto u, auto y) { own.matrix.apply(u, y); },
-            [&](auto r, auto step) { own.multigrid->cycle(r, step); }, force, x, 0.0, statics::most_inverse_iterations,
+            [&, known = true](auto r, auto step) mutable {
+              if (known)
+                std::copy(z.begin(), z.end(), step.begin());
+              else
+                own.multigrid->cycle(r, step);
+              known = false;
+            },
+            force, x, 0.0, statics::most_inverse_iterations,
             statics::inverse_accuracy * statics::inverse_accuracy * energy);
       for (std::size_t i = 0; i < n; ++i) moved[i][axis] = x[i];
     }

@@ -86,7 +86,7 @@ TEST(Solids, HaveTheVolumesOfTheirFormulas) {
   EXPECT_NEAR(with_solid(ring, dx).solid->volume(), 3.0 * pi, 1e-12);
 }
 
-/// Whether a place is inside is told by the nearest facet; it is what the winding number says, at notches and ridges, too.
+/// The nearest facet decides whether a place is inside; the result is what the winding number says, at notches and ridges, too.
 TEST(Solids, AreEnteredThroughTheirNearestFacet) {
   Shape notched;
   notched.kind = Shape::Kind::polygon;

@@ -44,7 +44,7 @@ def hello():
 
 
 def knock(address, keys, stop, sent):
-    """Sends HELLOs until told to stop; keys: public and secret key of a participant of another run and the public key of this run's
+    """Sends HELLOs until it is stopped; keys: public and secret key of a participant of another run and the public key of this run's
     coupler, or None."""
     s = zmq.Context.instance().socket(zmq.DEALER)
     s.linger, s.sndhwm = 0, 100000
