@@ -103,7 +103,7 @@ void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit)
       if (state.regions.sleeps(i)) continue;
       const Vec<D>& x = state.nodes[i].position;  // the kernels'
       const double distance = normal.dot(x - walls.planes[k].point);
-      if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].faces(x))
+      if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].stands_before(x))
         visit(i, walls.friction[k], normal, distance);
     }
   }
