@@ -41,12 +41,6 @@ struct ImagePlane {
     const double along = tangent.dot(x);
     return along >= from && along <= to;
   }
-  /// Whether the wall piece itself lies opposite x, without what it is extended by for images.
-  [[nodiscard]] bool stands_before(const Vec<D>& x) const {
-    if (screen < 0) return faces(x);
-    const double along = tangent.dot(x);
-    return along >= seen_from && along <= seen_to;
-  }
 };
 
 /// Images in the order in which they are made. parent: index of the real particle. Velocity of an image: map v +
