@@ -28,7 +28,7 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
     enclose(lo);
     enclose(hi);
   };
-  // A plane goes on without end, and so may the water before it: any point of it says nothing.
+  // A face that is a plane has no end points, and water before it may reach far beyond the rest: hence the wide box.
   bool endless = false;
   const auto enclose_face = [&](const Face& face) {
     for (const auto& x : face.points) enclose(x);

@@ -27,8 +27,8 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void min_in_place(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
-/// Types for code that handles one particle, or, with the struct below, four at a time. (As a template argument, Lanes
-/// would lose its alignment.)
+/// Types for code that is compiled for one particle at a time (InOnes) or for four (InFours). Given as a template
+/// argument itself, Lanes would lose its alignment.
 struct InOnes {
   using Number = double;
   using Mask = bool;
@@ -55,7 +55,7 @@ void apply(const Function& function, double& a) {
   a = function(a);
 }
 
-/// Four doubles at any address. The alignment is part of the name: clang ignores one that is given with the size.
+/// Four doubles at any address. `aligned` stands beside the alias's name: clang ignores it beside vector_size.
 using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
     double __attribute__((vector_size(n_lanes * sizeof(double))));
 

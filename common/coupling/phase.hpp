@@ -97,7 +97,7 @@ class Phase {
   virtual void save() = 0;
   virtual void restore() = 0;
 
-  /// Whether it may reject a window by itself. Where no phase does, no state is saved.
+  /// Whether the phase, run alone, may reject a window. If not, drive_alone() does not save its state before windows.
   [[nodiscard]] virtual bool may_reject() const { return true; }
 
   /// Writes the complete state to a checkpoint between windows, or reads it: the run then continues bit by bit as if it

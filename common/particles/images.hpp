@@ -21,8 +21,8 @@ struct ImagePlane {
   /// Only particles whose coordinate along `tangent` lies in [from, to] have images; by default (and in 3D) all.
   Vec<D> tangent = Vec<D>::Zero();
   double from = 0.0, to = 0.0;
-  /// Where images at a corner are divided between two pieces (meet_at_corners), this piece makes none beyond the
-  /// bisector: none at x with out . (x - at) > 0. Ends without such a division have out = 0.
+  /// For a corner at which two pieces share the images (meet_at_corners): `at` [m] is a point of the plane that divides
+  /// them, `out` its normal. This piece makes no image at x with out . (x - at) > 0. At any other end out = 0.
   struct End {
     Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();
   };

@@ -74,7 +74,7 @@ inline constexpr double repair_displacement = 0.25;
 /// Only a lattice at rest has nothing to repair.
 /// Unit: spacings. Test: none known.
 inline constexpr double free_repair_displacement = 0.01;
-/// Time in which a packing error is removed in free water: twenty times that of a fall through one spacing.
+/// Time in which a packing error is removed in free water. A fall through one spacing takes 1.4 of the same unit.
 /// Unit: sqrt(spacing / g). Test: none known.
 inline constexpr double free_repair_falls = 20.0;
 /// Time in which a packing error is removed where drag slows the water down. The unit is n rho_w / C with the drag

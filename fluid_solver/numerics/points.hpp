@@ -46,7 +46,7 @@ inline constexpr double wall_overhang = 6.0;
 /// Unit: 1. Test: none known.
 inline constexpr double most_reflected = 30.0;
 
-/// Sum of V W at a place below which no value is interpolated there; at a flat surface it is a half.
+/// No value is interpolated where the sum of V W is below this. On a flat surface of water the sum is a half.
 /// Unit: 1. Test: none known.
 inline constexpr double least_sampled = 0.3;
 /// Least eigenvalue of the moment matrix around a place, over its weight, with which a slope is fitted.

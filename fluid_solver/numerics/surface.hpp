@@ -33,8 +33,8 @@ inline constexpr double too_few = 0.4;
 /// degrees.
 /// Unit: 1. Test: none known.
 inline constexpr double cone = 0.5;
-/// Cosine of the half-angle of the empty cone above a front in soil, which is rough on the scale of a spacing: 45
-/// degrees.
+/// As `cone`, above a particle at a wetting front in soil: 45 degrees. It is narrower since a front is rough on the
+/// scale of a spacing.
 /// Unit: 1. Test: none known.
 inline constexpr double narrow_cone = 0.7071;
 

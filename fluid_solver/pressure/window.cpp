@@ -693,8 +693,8 @@ class WindowSolver {
     }
     // Vectors change at a reflection, so that each weight belongs to one image.
     build_vector_stiffness();
-    // An error of the skeleton's velocity is negligible while its power is at most the squared tolerance times the
-    // power of `dragged`: the change of velocity that drag alone would give a skeleton without stiffness in the window.
+    // The solve for the skeleton's velocity may end once the power of its error e, e.H e, is at most the squared
+    // tolerance times the power of `dragged`, the change of velocity that drag alone would cause without stiffness.
     const double power = domain_.sum_over(n_, [&](std::size_t a) {
       if (!responds(a)) return 0.0;
       const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
@@ -766,7 +766,7 @@ class WindowSolver {
   /// motion. Otherwise yielding soil would flow like a liquid of viscosity Dt M.
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
-    // In a repeated window the departure is from the motion that the last pass found, whose force is known.
+    // In a repeated window, stiffness resists only a departure from the last pass's velocity, where the force is known.
     if (soil_.found_velocity.is_allocated()) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)

@@ -23,11 +23,11 @@ template <int D>
 Vec<D> standing_water_force(const Setup<D>& setup, const State<D>& state, std::size_t i);
 
 /// The factor by which cohesion and tan(friction angle) of all soils can be divided until the soil finds no equilibrium
-/// (Griffiths & Lane 1999). Weight, loads and the water's forces of this instant act unchanged. water: these forces [N]
-/// on each particle. Every trial starts from the present stress, at rest. The factor follows from what frames hold of
-/// the soil and from `water` alone: positions, displacements, volumes, stresses, plastic strains, state variables of
-/// the materials, saturations, coverage by water, and displacements along frictional walls. Empty where the run is
-/// interrupted meanwhile.
+/// (Griffiths & Lane 1999). Weight, loads and `water`, the water's force [N] on each particle, stay unchanged. Every
+/// trial starts from the present stress, at rest. The factor depends on `water` and on these fields alone, so that it
+/// can be computed from the frames of a finished run: positions, displacements, volumes, stresses, plastic strains,
+/// state variables of the materials, saturations, coverage by water, and displacements along frictional walls. Returns
+/// nothing if the run is interrupted during the search.
 template <int D>
 std::optional<FactorOfSafety<D>> factor_of_safety(const Setup<D>& setup, const State<D>& state,
                                                   const VecArray<D>& water, const BorderSearch& search);

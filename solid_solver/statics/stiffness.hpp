@@ -46,8 +46,8 @@ class Stiffness {
   ScalarArray resistance_;
   double unit_work_ = 0.0;  ///< J s4/m2, work of the forces of unit acceleration
   std::unique_ptr<AxisInverse<D>> inverse_;
-  /// Of each plate under a force: force [N/m] on each particle per displacement of the plate along its normal, and the
-  /// displacements of the particles that balance it.
+  /// For each plate that a force moves. border_: force on each particle per displacement of the plate along its normal
+  /// [N/m]; follow_: displacements of the particles under these forces, per displacement of the plate [1].
   std::vector<VecArray<D>> border_, follow_;
   Eigen::MatrixXd compliance_;  ///< m/N, displacements of the plates per force on them, with the soil following
 };

@@ -99,8 +99,8 @@ double unborne(const Particles<D>& p, const Tracking<D>& tracking, double refere
   return over_weight(p, drive, force, reference);
 }
 
-/// Departure of the soil's motion from the predicted one in a repeated window: the force with which the pressure would
-/// respond, less where it drains, over the weight.
+/// The force that the soil's remaining departure from the predicted motion would need in a repeated window: inertia,
+/// and the water's impedance (docs/theory/coupling.md, section 3). Over the weight (rms).
 template <int D>
 double departure_from(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                       State<D>& state) {
