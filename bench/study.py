@@ -95,9 +95,10 @@ def job_table(a, jobs):
     """Seconds of whole runs beside their bounds, the median of --repeats: the time that a user waits."""
     rows = []
     pace = pair_rate(a.program)
-    carried_to = ("CPU seconds are carried to the machine on which the public codes were timed that the bounds look at: a plain pair loop does "
-                  f"{PUBLIC_PAIR_RATE} million pairs a second there, the plainest of those below did {pace:.0f} here just before."
-                  if pace else "CPU seconds are carried to another machine where pair loops are built: `ninja pair_loops`.")
+    carried_to = ("Column \"carried\": the CPU seconds converted to the machine on which the public codes were timed (the bounds refer to those). "
+                  f"A loop over a pair list, one pair at a time, does {PUBLIC_PAIR_RATE} million pairs a CPU second there; the same loop did "
+                  f"{pace:.0f} here, just before these runs."
+                  if pace else "CPU seconds are not converted to another machine: pair loops are not built (`ninja pair_loops`).")
     lines = ["", "## Jobs", "", f"Whole runs, all processes; threads of each solver. {carried_to}", "",
              "| job | particles | steps or windows | threads | million particle-steps/s | CPU s | carried | wall s | asked |",
              "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]

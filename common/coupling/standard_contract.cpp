@@ -104,8 +104,8 @@ constexpr std::array fields{
                   .bounds = any,
                   .meaning =
                       "rate of the skeleton's volumetric strain, mean over the window, expansion positive, as the "
-                      "solid's stress law integrated it; the fluid adds to its volume balance what the velocities "
-                      "mapped to its points do not show of it"},
+                      "solid's stress law integrated it; the fluid adds to its volume balance the part of this rate "
+                      "that the divergence of the mapped velocities does not contain"},
     StandardField{.giver = solid,
                   .name = field::unbalanced_force,
                   .unit = "N/m3",
@@ -139,7 +139,8 @@ constexpr std::array fields{
         .name = field::yielding,
         .unit = "1",
         .bounds = share,
-        .meaning = "share of the last window's shear strain that was plastic: such shear goes on at constant stress"},
+        .meaning =
+            "share of the last window's shear strain that was plastic: plastic shear continues at constant stress"},
     StandardField{.giver = solid,
                   .name = field::hydraulic_conductivity,
                   .unit = "m/s",
@@ -160,9 +161,10 @@ constexpr std::array fields{
                   .mapping = conservative,
                   .bounds = strong,
                   .of_volume = true,
-                  .meaning = "impulse that the solid received beyond `drag_impulse`: the inertia of the water that "
-                             "moves along where the soil departs from `predicted_change`; the fluid takes it from its "
-                             "water at the next window's start"},
+                  .meaning =
+                      "impulse that the solid received in addition to `drag_impulse`. It is the inertia of water that "
+                      "moves along with soil which departs from `predicted_change`; at the start of the next "
+                      "window the fluid takes this impulse from its water"},
 };
 
 std::string short_number(double x) {

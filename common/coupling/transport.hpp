@@ -86,7 +86,7 @@ class InProcess {
   InProcess();
   /// The coupler's end; may be called once.
   std::unique_ptr<Hub> hub();
-  /// One more line; when it is destroyed, the hub reports it as closed, as it does for a socket.
+  /// Opens one more line to the coupler. When it is destroyed, the hub reports it as closed, as with a socket.
   std::unique_ptr<Transport> line();
 
   // For tests: controls the exchange message by message, in both directions, heartbeats included.

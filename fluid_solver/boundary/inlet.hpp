@@ -1,7 +1,7 @@
-// Openings through which water enters and leaves as particles, by pistons. A mirror moves in with the water. When it
-// has moved by a spacing, it steps back, and a row of particles takes the place where it stood (after Lastiwka et al.
-// 2009; the mirror's images are their inflow zone). The volume let in is exact: displacement of the piston times its
-// width.
+// Openings through which water enters and leaves as particles. A mirror moves inwards with the water, like a piston.
+// When it stands half a spacing inside, it steps back by one spacing, and a row of particles fills the gap (after
+// Lastiwka et al. 2009; the images behind the mirror serve as their inflow zone). The volume let in is exact: the
+// piston's displacement times the opening's width.
 #pragma once
 
 #include "common/case/case.hpp"

@@ -97,12 +97,12 @@ struct SeepageRegime {
 
 /// Whether particle a is in the seepage regime: its water moves through the soil, and its surface is a wetting front.
 ///
-/// It is not where drag needs more than a spacing to stop it, C spacing < n rho |w| with the relative velocity w: there
-/// it flows as free water does. It is not where the soil itself moves, either, except in long windows, whose motion is
-/// quasi-static: water that moves along with soil has a free surface. The pressure at a front is a natural condition,
-/// which does not enter the gradient. That is right for a front whose speed follows from the pressure. A mixture with
-/// inertia would be accelerated inwards where it already moves inwards (a surface wave over liquefied soil grew
-/// sevenfold in 2 ms).
+/// There are two exceptions. Where drag needs more than a spacing to stop the water, C spacing < n rho |w| (drag
+/// coefficient C, porosity n, water density rho, relative velocity w), the water flows as free water does. Where the
+/// soil itself moves, its water moves along and has a free surface (not in long windows, whose motion is quasi-static).
+/// At a wetting front the pressure is a natural boundary condition and does not enter the gradient. That is right for a
+/// front whose speed follows from the pressure. A mixture with inertia that moves inwards would be accelerated further
+/// (a surface wave over liquefied soil grew sevenfold in 2 ms).
 template <int D>
 bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing,
                        const SeepageRegime& regime) {

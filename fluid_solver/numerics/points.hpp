@@ -41,8 +41,8 @@ inline constexpr double most_amplified = 1.07;
 /// Unit: spacings. Test: none known.
 inline constexpr double wall_overhang = 6.0;
 
-/// Largest ratio of a buffer's distance behind a face to the distance of the particle before it. That particle may lie
-/// on the face.
+/// Upper bound of d_b / d_a, with which a particle's pressure is reflected in a face: distance d_b of the buffer behind
+/// the face over distance d_a of the particle in front of it. A particle may lie on the face, d_a = 0.
 /// Unit: 1. Test: none known.
 inline constexpr double most_reflected = 30.0;
 

@@ -32,10 +32,10 @@ inline constexpr double hydrostatic_share = 0.05;
 /// own.
 /// Unit: 1. Test: none known.
 inline constexpr double widest_share = 1e-3;
-/// Least ratio of the next window to the present one, as the change of the pressure allows.
+/// Smallest factor by which the window length that the change of pressure allows may fall from window to window.
 /// Unit: 1. Test: none known.
 inline constexpr double shrinks_to = 0.3;
-/// Largest ratio of the next window to the present one, as the change of the pressure allows.
+/// Largest factor by which the window length that the change of pressure allows may grow from window to window.
 /// Unit: 1. Test: none known.
 inline constexpr double grows_to = 1.5;
 /// Length of the first window beside soil that moves, over the time in which an elastic wave crosses one spacing of

@@ -216,7 +216,7 @@ class Reader {
     }
     return sum;
   }
-  /// The place on a line between two others at which another soil begins; the second one where there is none.
+  /// The place between a and b on a line where the soil at a ends; b if the soil is the same at both.
   [[nodiscard]] double border_between(const Line<D>& line, double a, double b) const {
     if (soil_.empty()) return b;
     const Stratum* here = ground_.at(line.at(a));

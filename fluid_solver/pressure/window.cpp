@@ -61,8 +61,8 @@ Response eliminate_skeleton(double dt, double density, double n, double n_s, con
   return r;
 }
 
-/// What the skeleton's stiffness reads of a point: modulus and amplification of its parent, 0 where that does not
-/// respond; and the stiffness by which dry soil resists [N s/m].
+/// What the skeleton's stiffness needs of a point: constrained modulus M and amplification of its parent, both 0 where
+/// the parent's skeleton does not respond; and the stiffness by which dry soil beside the point resists [N s/m].
 struct StiffPoint {
   std::array<double, 3> x{};
   [[nodiscard]] const double* row() const { return x.data(); }

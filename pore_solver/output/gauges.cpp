@@ -182,7 +182,7 @@ class Gauges::Reader {
       if (share == 0.0) return full;
       before = share;
     }
-    // The cell at a slope where water comes out is never full up to its highest corner.
+    // Where water leaves a slope the last cell never fills up to its highest corner: it counts as full from half on.
     return degree(line.probe.back().point[0]) >= 0.5 ? line.place.back() : full;
   }
 

@@ -80,11 +80,11 @@ void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
   });
 }
 
-/// Lists the pairs closer than range [m] among the first n_real positions, which are particles, and with the rest,
-/// which are images. Particles from n_free on are fixed. The free ones i with asleep[i] != 0 sleep (asleep is empty
-/// where none does). Fixed particles without moving ones within range have empty rows; rows of such sleeping ones are
-/// marked as skipped. The rows are divided into n_parts parts of similar work. originals: where not empty, the particle
-/// of each image; the image is then seen only from its original's side of the plane midway between the two.
+/// Lists the pairs closer than range [m]: pairs among the first n_real positions, which are particles, and pairs of
+/// these with the rest, which are images. Particles from n_free on are fixed; a free one i sleeps where asleep[i] != 0
+/// (asleep is empty where none does). With no moving particle within range, the row of a fixed particle is empty, and
+/// that of a sleeping one is marked as skipped. The rows are divided into n_parts parts of similar work. originals:
+/// where not empty, the particle of each image, which is seen only from that particle's side of the plane between them.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
              std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs);

@@ -1,5 +1,5 @@
-// Chosen numbers of the corrections that keep flowing soil regular. What an entry needs: CONTRIBUTING.md.
-// Symbols: V bulk volume, W kernel, h smoothing length, G shear modulus, tau shear stress.
+// Chosen numbers of the corrections that smooth stress, volumes and packing in flowing soil. What an entry needs:
+// CONTRIBUTING.md. Symbols: V bulk volume, W kernel, h smoothing length, G shear modulus, tau shear stress.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
 #pragma once
 
@@ -46,15 +46,15 @@ inline constexpr double surface = 0.25;
 /// Sum V W, over that of soil on its initial lattice, below which a particle lies at a surface.
 /// Unit: 1. Test: none known.
 inline constexpr double inside_cover = 0.8;
-/// Volumetric strain that corrects the density, per shear strain and per excess of the relative density
-/// (largest_excess).
+/// Volumetric strain that corrects the density, per shear strain and per density error
+/// (`largest_excess`).
 /// Unit: 1. Test: none known.
 inline constexpr double dilatancy = 2.0;
 /// Largest shear strain between two corrections that is taken into account: loose particles have larger ones.
 /// Unit: 1. Test: none known.
 inline constexpr double largest_strain = 0.1;
-/// Largest excess of the relative density that is taken into account: rho / rho_0 - 1 - p / K with the bulk density
-/// rho, its initial value rho_0, the mean effective pressure p and the bulk modulus K.
+/// Largest magnitude of the density error that the correction uses (see `dilatancy`): rho / rho_0 - 1 - p / K with the
+/// bulk density rho, its initial value rho_0, the mean effective pressure p and the bulk modulus K.
 /// Unit: 1. Test: none known.
 inline constexpr double largest_excess = 0.1;
 

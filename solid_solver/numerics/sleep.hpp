@@ -1,6 +1,6 @@
 // Chosen numbers of soil that counts as at rest. What an entry needs: CONTRIBUTING.md.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
-// The way of a wave is the time in which an elastic wave crosses the soil's height.
+// Unit "travel times of a wave": the time in which an elastic wave crosses the soil's height.
 #pragma once
 
 namespace poretwin::solid::sleep {
@@ -23,13 +23,13 @@ inline constexpr double damped_below = 10.0;
 /// Unit: spacings. Test: none known.
 inline constexpr double travel = 5.0;
 /// Time after which soil that has not moved counts as calm: two periods of a column of the soil's height.
-/// Unit: ways of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
+/// Unit: travel times of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
 inline constexpr double calm_after = 8.0;
 /// Time after which soil that has not moved falls asleep.
-/// Unit: ways of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
+/// Unit: travel times of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
 inline constexpr double asleep_after = 12.0;
 /// Time between two checks for soil that may fall asleep.
-/// Unit: ways of a wave. Test: none known.
+/// Unit: travel times of a wave. Test: none known.
 inline constexpr double between_checks = 1.0;
 /// Margin of soil that stays awake around soil that is not calm.
 /// Unit: ranges of the pair lists. Test: Regions.FeelAllTheirNeighbours (untried).

@@ -1,6 +1,6 @@
 // Chosen numbers of the searches for equilibrium and rest. What an entry needs: CONTRIBUTING.md.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
-// The way of a wave is the time in which an elastic wave crosses the soil's height. "Departure from rest":
+// Unit "travel times of a wave": the time in which an elastic wave crosses the soil's height. "Departure from rest":
 // docs/theory/equilibrium.md.
 #pragma once
 
@@ -30,7 +30,7 @@ inline constexpr double held_by_nothing = 0.03;
 /// Unit: gravity. Test: none known.
 inline constexpr double woken_by = 5e-3;
 /// Longest dynamic relaxation in a window for which no equilibrium is found.
-/// Unit: ways of a wave. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
+/// Unit: travel times of a wave. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
 inline constexpr double most_ways = 100.0;
 /// Displacement of any particle at which dynamic relaxation is given up.
 /// Unit: spacings. Test: none known.
@@ -77,10 +77,10 @@ inline constexpr double safety_tolerance = 0.01;
 /// Unit: the reference acceleration. Test: Rest.ReportsItsCriterion (untried).
 inline constexpr double rest_criterion = 1e-3;
 /// Longest search for rest in soil that does not yield.
-/// Unit: ways of a wave. Test: none known.
+/// Unit: travel times of a wave. Test: none known.
 inline constexpr double rest_ways = 50.0;
 /// Longest search for rest once soil yields.
-/// Unit: ways of a wave. Test: none known.
+/// Unit: travel times of a wave. Test: none known.
 inline constexpr double rest_ways_yielding = 200.0;
 /// Weight of the previous damping rate against the present one once something yields: an average over about twenty
 /// steps.

@@ -119,13 +119,13 @@ void restore_state(const State<D>& start, State<D>& state) {
 }
 
 /// Finds the equilibrium of the soil at the end of a window of `interval` [s] by one step of backward Euler.
-/// external(drive, rebuilt) fills in the forces from outside for each trial displacement; rebuilt: the pair lists are
-/// new.
+/// external(drive, rebuilt) sets the external forces in `drive` for each trial displacement; `rebuilt` says whether the
+/// pair lists are new.
 ///
 /// Every trial starts from the state at the window's start, so that stress is returned to the cone once, over the
-/// strain of the whole window. A search along its own path through the cone would accumulate the plastic strain of its
-/// detours. The search is given up after search.most trials, or when a particle moves by more than half a spacing; the
-/// state is then the initial one.
+/// strain of the whole window. If each trial continued from the one before, the plastic strain of all detours of the
+/// search would add up. The search is given up after search.most trials, or when a particle moves by more than half a
+/// spacing; the state is then the initial one.
 template <int D, class ExternalForce>
 RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
                             double interval, State<D>& state, ExternalForce&& external) {
