@@ -110,7 +110,7 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const D
       top = std::max(top, up.dot(x) + 0.5 * spacing);
   top = domain.max(top);
   if (top > -1e300) origin = top * up;
-  const bool sight = D == 2 && sight_matters(scene);
+  const bool sight = D == 2 && sight_matters(scene, Keeps::water);
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     const auto& wall = scene.walls[w];
     if (wall.water == Wall::ForWater::none) continue;
@@ -118,7 +118,7 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const D
     if (wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::roller) fixed_soil |= 1u << w;
     for (std::size_t i = 0; i + 1 < wall.face.points.size(); ++i)
       pressed_walls.push_back({wall.face.points[i].template head<D>(), wall.face.points[i + 1].template head<D>(),
-                               sight && has_two_sides(scene, wall)});
+                               sight && has_two_sides(scene, wall, Keeps::water)});
   }
   for (const auto& face : scene.water_faces) face_names.push_back(face.name);
   for (const auto& load : scene.loads)

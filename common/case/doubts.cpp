@@ -133,9 +133,9 @@ class Doubts : Complaints {
   /// the pile, measured with 30 rows against finite volumes, is 1 % low where the pile is 2 or 4 spacings thick, 4 %
   /// where it is 1 spacing thick, 3 % where it is a line.
   void piles_of_one_row() {
-    if (hinders_sight(scene_)) return;
+    if (hinders_sight(scene_, Keeps::water)) return;
     const double dx = scene_.fluid.particle_spacing;
-    for (const auto& thin : thin_walls(scene_)) {
+    for (const auto& thin : thin_walls(scene_, Keeps::water)) {
       const bool in_soil = std::any_of(scene_.soils.begin(), scene_.soils.end(), [&](const Soil& soil) {
         return contains(soil.shape, thin.at, 2) || contains(soil.shape, thin.at + 0.5 * dx * Point3::UnitX(), 2) ||
                contains(soil.shape, thin.at + 0.5 * dx * Point3::UnitY(), 2);

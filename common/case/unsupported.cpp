@@ -30,7 +30,7 @@ class Supported : Complaints {
   void all() const {
     near_origin();
     if (scene_.has_water()) {
-      partitions();
+      partitions(Keeps::water);
       layers_of_few_rows();
       solid_bodies();
       heads_below_the_soils_top();
@@ -38,6 +38,7 @@ class Supported : Complaints {
       drains_without_pressure();
     }
     if (scene_.deformable()) {
+      partitions(Keeps::soil);
       loads();
       tension();
     }
@@ -95,44 +96,50 @@ class Supported : Complaints {
       look(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i));
   }
 
-  /// Refuses thin walls where water would interact through them. A line of sight (`Sight`) separates the water on both
-  /// sides of a thin wall, unless hinders_sight() names a reason against it; soil always interacts through it. Beside a
-  /// wall that is one line, no particle may lie too close to it.
-  void partitions() const {
-    const double dx = scene_.fluid.particle_spacing;
-    const auto hindered = hinders_sight(scene_);
-    for (const auto& thin : thin_walls(scene_)) {
+  /// Refuses thin walls where water or soil would interact through them: a line of sight (`Sight`) separates particles
+  /// on both sides of a thin wall, unless hinders_sight() names a reason against it. Beside a wall that is one line, no
+  /// particle may lie too close to it.
+  void partitions(Keeps what) const {
+    const bool water = what == Keeps::water;
+    const double dx = water ? scene_.fluid.particle_spacing : scene_.solid.particle_spacing;
+    const auto hindered = hinders_sight(scene_, what);
+    for (const auto& thin : thin_walls(scene_, what)) {
       const std::string key = fmt::format("wall[{}]", thin.wall);
       if (hindered && thin.thickness == 0.0)
-        fail(key, fmt::format("runs through a [[fluid.region]], for example at {} m; a wall that is one line keeps "
-                              "water apart, but not {}: expected water on its left side only",
-                              shown(thin.at), *hindered));
+        fail(key, fmt::format("runs through a [[{}]], for example at {} m; a wall that is one line keeps {} apart, but "
+                              "not {}: expected {} on its left side only",
+                              water ? "fluid.region" : "soil", shown(thin.at), water ? "water" : "soil", *hindered,
+                              water ? "water" : "soil"));
       else if (hindered)
-        fail(key, fmt::format("is {:.4g} m thick at {} m, {:.2g} particle spacings, with water on {}: particles would "
+        fail(key, fmt::format("is {:.4g} m thick at {} m, {:.2g} particle spacings, with {} on {}: particles would "
                               "interact through it {}; expected {:.4g} m or more, {:g} spacings: draw it "
-                              "thicker, or give a fluid.particle_spacing of {:.3g} m or less",
-                              thin.thickness, shown(thin.at), thin.thickness / dx,
+                              "thicker, or give a {}.particle_spacing of {:.3g} m or less",
+                              thin.thickness, shown(thin.at), thin.thickness / dx, water ? "water" : "soil",
                               thin.both_sides ? "both sides" : "one side", *hindered, thin.least, thin.least / dx,
-                              thin.thickness / (thin.least / dx)));
+                              water ? "fluid" : "solid", thin.thickness / (thin.least / dx)));
       else if (thin.thickness == 0.0)
-        rows_beside(thin.wall);
+        rows_beside(thin.wall, what);
     }
   }
 
   /// Refuses particles closer to a line than a quarter of a spacing: their own images would push them off it.
-  void rows_beside(std::size_t w) const {
-    const double dx = scene_.fluid.particle_spacing;
-    for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r)
-      for (const auto& place : fill<2>(scene_.fluid.regions[r], dx, scene_.fluid.offset, 0.0, 1).position)
+  void rows_beside(std::size_t w, Keeps what) const {
+    const bool water = what == Keeps::water;
+    const double dx = water ? scene_.fluid.particle_spacing : scene_.solid.particle_spacing;
+    const Point3& offset = water ? scene_.fluid.offset : scene_.solid.offset;
+    const std::size_t n = water ? scene_.fluid.regions.size() : scene_.soils.size();
+    for (std::size_t r = 0; r < n; ++r)
+      for (const auto& place :
+           fill<2>(water ? scene_.fluid.regions[r] : scene_.soils[r].shape, dx, offset, 0.0, 1).position)
         for (const auto& piece : pieces_of(scene_.walls[w].face)) {
           const Point3 x(place.x(), place.y(), 0.0);
           const double distance = distance_from(piece, x);
           if (distance < 0.25 * dx)
-            fail(fmt::format("fluid.region[{}]", r),
+            fail(fmt::format("{}[{}]", water ? "fluid.region" : "soil", r),
                  fmt::format(
                      "has a particle at {} m, {:.2g} spacings from {}, which runs through it; expected rows half "
-                     "a spacing from the line: draw one region on either side, up to the line",
-                     shown(x), distance / dx, named("wall", w, scene_.walls[w].name)));
+                     "a spacing from the line: draw one {} on either side, up to the line",
+                     shown(x), distance / dx, named("wall", w, scene_.walls[w].name), water ? "region" : "soil"));
         }
   }
 

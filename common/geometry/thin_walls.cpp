@@ -19,13 +19,24 @@ bool wet(const Case& scene, const Point3& x) {
   return std::any_of(scene.fluid.regions.begin(), scene.fluid.regions.end(),
                      [&](const Shape& region) { return contains(region, x, scene.general.dimension); });
 }
+bool lies_in(const Case& scene, Keeps what, const Point3& x) {
+  return what == Keeps::water ? wet(scene, x) : in_soil(scene, x);
+}
+double spacing_of(const Case& scene, Keeps what) {
+  return what == Keeps::water ? scene.fluid.particle_spacing : scene.solid.particle_spacing;
+}
+/// Does the wall make images of these particles?
+bool stops(const Wall& wall, Keeps what) {
+  return what == Keeps::water ? wall.water != Wall::ForWater::none
+                              : wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::rough;
+}
 
-/// Where water stands on both sides of a line.
-std::optional<Point3> two_sides(const Case& scene, const Piece& piece) {
-  const double dx = scene.fluid.particle_spacing;
+/// Where water or soil stands on both sides of a line.
+std::optional<Point3> two_sides(const Case& scene, Keeps what, const Piece& piece) {
+  const double dx = spacing_of(scene, what);
   const Point3 aside = 1e-3 * dx * piece.left();
   for (const auto& x : places_along(piece, dx))
-    if (wet(scene, x + aside) && wet(scene, x - aside)) return x;
+    if (lies_in(scene, what, x + aside) && lies_in(scene, what, x - aside)) return x;
   return std::nullopt;
 }
 
@@ -35,14 +46,14 @@ bool lies_on(const std::vector<Piece>& pieces, const Point3& x, double tolerance
 }
 
 /// A wall as a mirror on its left and, of a line with two sides, on its right.
-void add_sides(const Case& scene, const Wall& wall, int number, int& screen, double margin,
+void add_sides(const Case& scene, Keeps what, const Wall& wall, int number, int& screen, double margin,
                std::vector<sph::ImagePlane<2>>& planes) {
   const double near = 1e-6 * margin;
   const auto pieces = pieces_of(wall.face);
   std::vector<Piece> faces;
   for (const auto& face : scene.water_faces)
     for (const auto& piece : pieces_of(face.face)) faces.push_back(piece);
-  const bool both = has_two_sides(scene, wall);
+  const bool both = has_two_sides(scene, wall, what);
   if (wall.face.points.empty()) {
     auto plane = planes_of<2>(wall.face, number, 0.0)[0];
     plane.tangent = Vec<2>(plane.normal.y(), -plane.normal.x());
@@ -92,16 +103,22 @@ void add_sides(const Case& scene, const Wall& wall, int number, int& screen, dou
 
 }  // namespace
 
-bool has_two_sides(const Case& scene, const Wall& wall) {
+bool has_two_sides(const Case& scene, const Wall& wall, Keeps what) {
   if (scene.general.dimension != 2) return false;
   const auto pieces = pieces_of(wall.face);
-  return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return two_sides(scene, p).has_value(); });
+  return std::any_of(pieces.begin(), pieces.end(),
+                     [&](const Piece& p) { return two_sides(scene, what, p).has_value(); });
 }
 
-std::optional<std::string> hinders_sight(const Case& scene) {
+std::optional<std::string> hinders_sight(const Case& scene, Keeps what) {
   if (scene.general.dimension != 2) return "in three dimensions";
-  if (scene.deformable()) return "beside soil that moves";
   if (!scene.general.periodic.empty()) return "between periodic sides";
+  if (what == Keeps::soil) {
+    if (scene.coupled()) return "where its pore water is solved for";
+    if (!scene.plates.empty()) return "beside a plate";
+    return std::nullopt;
+  }
+  if (scene.deformable()) return "beside soil that moves";
   for (const auto& face : scene.water_faces) {
     if (is_inlet(scene, face)) return "beside an inlet";
     const auto crest = is_reservoir(scene, face) ? crest_of(scene, face) : std::nullopt;
@@ -113,9 +130,10 @@ std::optional<std::string> hinders_sight(const Case& scene) {
   return std::nullopt;
 }
 
-bool sight_matters(const Case& scene) {
-  if (hinders_sight(scene)) return false;
-  if (!thin_walls(scene).empty()) return true;
+bool sight_matters(const Case& scene, Keeps what) {
+  if (hinders_sight(scene, what)) return false;
+  if (!thin_walls(scene, what).empty()) return true;
+  if (what == Keeps::soil) return false;
   if (porous::conductivity_contrast(scene) >= porous::one_conductivity) return false;
   const double dx = scene.fluid.particle_spacing;
   for (const auto& region : scene.fluid.regions)
@@ -140,33 +158,33 @@ bool sight_matters(const Case& scene) {
   return false;
 }
 
-/// Walls need a thickness of 5 spacings with water on both sides (two kernel reaches), of 3 with water on one side (one
-/// reach), unless particles on opposite sides are kept from interacting (`Sight`). Measured without that: from 5
+/// Walls need a thickness of 5 spacings with particles on both sides (two kernel reaches), of 3 with particles on one
+/// side (one reach), unless those on opposite sides are kept from interacting (`Sight`). Measured without that: from 5
 /// spacings on, still water on both sides stays at rest (at 4 it moves at 0.7 m/s, at 2 the run diverges), and seepage
 /// is right (1.4 % off at 4, NaN at 3). Water on one side is right from 3 spacings on (at 1 its pressure is 7 % too
 /// high).
-std::vector<ThinWall> thin_walls(const Case& scene) {
+std::vector<ThinWall> thin_walls(const Case& scene, Keeps what) {
   std::vector<ThinWall> found;
-  if (scene.general.dimension != 2 || !scene.has_water()) return found;
-  const double dx = scene.fluid.particle_spacing;
+  if (scene.general.dimension != 2 || !(what == Keeps::water ? scene.has_water() : scene.deformable())) return found;
+  const double dx = spacing_of(scene, what);
   struct Side {
     std::size_t wall;
     Piece piece;
   };
   std::vector<Side> sides;
   for (std::size_t i = 0; i < scene.walls.size(); ++i)
-    if (scene.walls[i].water != Wall::ForWater::none)
+    if (stops(scene.walls[i], what))
       for (const auto& piece : pieces_of(scene.walls[i].face)) sides.push_back({i, piece});
   const auto first = [&](const Side& p) -> std::optional<ThinWall> {
     const Point3 left = p.piece.left();
-    if (const auto x = two_sides(scene, p.piece)) return ThinWall{p.wall, *x, 0.0, 5.0 * dx, true};
+    if (const auto x = two_sides(scene, what, p.piece)) return ThinWall{p.wall, *x, 0.0, 5.0 * dx, true};
     for (const auto& q : sides) {
       if (left.dot(q.piece.left()) > -0.9) continue;
       for (const auto& x : places_along(p.piece, dx)) {
         const auto thickness = distance_to(q.piece, x, -left);
         if (!thickness || !(*thickness > 0.0) || *thickness >= 5.0 * dx) continue;
-        if (!wet(scene, x + 0.25 * dx * left)) continue;
-        const bool both = wet(scene, x - (*thickness + 0.25 * dx) * left);
+        if (!lies_in(scene, what, x + 0.25 * dx * left)) continue;
+        const bool both = lies_in(scene, what, x - (*thickness + 0.25 * dx) * left);
         const double least = (both ? 5.0 : 3.0) * dx;
         if (*thickness < (1.0 - 1e-6) * least) return ThinWall{p.wall, x, *thickness, least, both};
       }
@@ -178,12 +196,12 @@ std::vector<ThinWall> thin_walls(const Case& scene) {
   return found;
 }
 
-std::vector<sph::ImagePlane<2>> sides_of_walls(const Case& scene, double margin) {
+std::vector<sph::ImagePlane<2>> sides_of_walls(const Case& scene, Keeps what, double margin) {
   std::vector<sph::ImagePlane<2>> planes;
   int screen = 0;
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
-    if (scene.walls[w].water != Wall::ForWater::none)
-      add_sides(scene, scene.walls[w], static_cast<int>(w), screen, margin, planes);
+    if (stops(scene.walls[w], what))
+      add_sides(scene, what, scene.walls[w], static_cast<int>(w), screen, margin, planes);
   // Where a line turns away from the domain or continues straight, some points see both pieces. A line of sight through
   // the corner then counts as one through the first piece.
   for (auto& plane : planes)

@@ -31,8 +31,8 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
 template <int D>
 sph::Sight<D> water_sight(const Case& scene, double margin) {
   if constexpr (D == 2) {
-    if (!sight_matters(scene)) return {};
-    auto planes = sides_of_walls(scene, margin);
+    if (!sight_matters(scene, Keeps::water)) return {};
+    auto planes = sides_of_walls(scene, Keeps::water, margin);
     return sph::Sight<D>(std::move(planes), sight_slack * margin);
   } else {
     return {};

@@ -1,6 +1,7 @@
 #include "solid_solver/discretisation/boundaries.hpp"
 
 #include "common/core/error.hpp"
+#include "common/geometry/thin_walls.hpp"
 #include "solid_solver/dynamics/wall_friction.hpp"
 
 #include <fmt/format.h>
@@ -77,6 +78,11 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
       boundaries.planes.push_back(plane);
     }
   };
+  const auto kind_of = [](const Wall& wall) {
+    return wall.soil == Wall::ForSoil::fixed        ? Kind::fixed
+           : wall.soil == Wall::ForSoil::frictional ? Kind::frictional
+                                                    : Kind::roller;
+  };
   const auto makes_images = [](const Wall& wall) {
     return wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::rough;
   };
@@ -84,18 +90,25 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
   if (D == 3 && std::ranges::any_of(scene.walls, [&](const Wall& wall) { return makes_images(wall) && wall.shape; }))
     surfaces = std::make_shared<Surfaces>();
   boundaries.surfaces = surfaces;
+  const bool thin = sight_matters(scene, Keeps::soil);
   add(periodic_planes<D>(scene.general, 0), Kind::periodic, 0.0);
   for (const auto& wall : scene.walls) {
-    if (!makes_images(wall)) continue;
-    const Kind kind = wall.soil == Wall::ForSoil::fixed        ? Kind::fixed
-                      : wall.soil == Wall::ForSoil::frictional ? Kind::frictional
-                                                               : Kind::roller;
+    if (!makes_images(wall) || thin) continue;
     if (!surfaces)
-      add(planes_of<D>(wall.face, 0, 0.0), kind, wall.friction_angle);
+      add(planes_of<D>(wall.face, 0, 0.0), kind_of(wall), wall.friction_angle);
     else
-      surfaces->add(wall, number(kind, wall.friction_angle));
+      surfaces->add(wall, number(kind_of(wall), wall.friction_angle));
   }
-  meet_at_corners<D>(boundaries.planes, margin);
+  if (thin) {
+    if constexpr (D == 2)
+      for (const auto& side : sides_of_walls(scene, Keeps::soil, margin)) {
+        const Wall& wall = scene.walls[static_cast<std::size_t>(side.boundary)];
+        add({side}, kind_of(wall), wall.friction_angle);
+      }
+    boundaries.sight = sph::Sight<D>(boundaries.planes, sight_slack * margin);
+  } else {
+    meet_at_corners<D>(boundaries.planes, margin);
+  }
   add_plates<D>(scene, margin, boundaries);
   if (boundaries.kinds.size() > 32)
     throw CaseError(
@@ -114,6 +127,40 @@ void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::ve
     if ((numbers >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic)
       passed.push_back({boundaries.kinds[k], boundaries.friction[k], boundaries.plate[k], boundaries.planes[k].normal,
                         boundaries.planes[k].point});
+}
+
+/// The planes at which an image is reflected, in this order, where images are made in all orders. n: number of
+/// particles; k: number of the image.
+template <int D>
+void find_passed(const Boundaries<D>& boundaries, const sph::Images<D>& images, std::size_t n, std::size_t k,
+                 std::vector<Passed<D>>& passed) {
+  passed.clear();
+  for (std::size_t j = n + k; j >= n; j = images.of[j - n]) {
+    const std::size_t b = images.by[j - n];
+    passed.push_back({boundaries.kinds[b], boundaries.friction[b], boundaries.plate[b], boundaries.planes[b].normal,
+                      boundaries.planes[b].point});
+  }
+  std::ranges::reverse(passed);
+}
+
+/// Replaces nodes that walls hide from a particle by the particle itself, which contributes nothing.
+template <int D>
+void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_real, std::span<const Vec<D>> position,
+                       const sph::Images<D>& images, Pairs& pairs) {
+  for_each_part(pairs.n_parts(), [&](std::size_t part) {
+    typename sph::Sight<D>::Near walls;
+    for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
+      sight.find_near(position[i], reach, walls);
+      if (walls.empty()) continue;
+      for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
+        const Index j = pairs.index[m];
+        // Evaluated in the same order for both particles of a pair.
+        const bool seen = j >= n_real ? sight.sees(position[i], j, n_real, position, images.by, images.of, walls)
+                                      : sight.open(position[std::min(i, j)], position[std::max(i, j)], walls);
+        if (!seen) pairs.index[m] = i;
+      }
+    }
+  });
 }
 
 /// The points of surfaces at which an image is reflected, in this order.
@@ -316,6 +363,13 @@ void keep_before_walls(const Boundaries<D>& boundaries, double reach, const Neig
       return;
     }
   }
+  if (boundaries.sight.limited()) {
+    if (near.built_at.size() != particles.size()) return;  // before the first step
+    for (std::size_t i = 0; i < particles.free(); ++i)
+      boundaries.sight.keep_inside(near.built_at[i].template cast<double>(), particles.position[i],
+                                   particles.velocity[i]);
+    return;
+  }
   for (std::size_t i = 0; i < particles.free(); ++i)
     sph::keep_inside<D>(boundaries.planes, reach, particles.position[i], particles.velocity[i]);
 }
@@ -334,9 +388,13 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   std::vector<Surfaces::WallPoints> mirrors;  // of surfaces, by image
   if constexpr (D == 3)
     if (boundaries.surfaces) images = boundaries.surfaces->images(particles.position, range, &mirrors);
-  if (!boundaries.surfaces)
-    images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
-                                 std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
+  const std::span<const Vec<D>> positions(particles.position);
+  const std::span<const sph::ImagePlane<D>> planes(boundaries.planes);
+  const bool thin = boundaries.sight.limited();
+  if (thin)
+    images = sph::images_in_all_orders<D>(positions, planes, range);
+  else if (!boundaries.surfaces)
+    images = sph::make_images<D>(positions, planes, range);
   near.images.assign(images.size(), {});
   near.behind_curved.clear();
   near.behind_plates.clear();
@@ -352,6 +410,8 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
     rule.shift = images.position[k] - rule.map * particles.position[rule.parent];
     if (boundaries.surfaces)
       find_passed(boundaries, mirrors[k], passed);
+    else if (thin)
+      find_passed(boundaries, images, particles.size(), k, passed);
     else
       find_passed(boundaries, images.boundaries[k], passed);
     find_velocity_maps<D>(passed, rule);
@@ -369,6 +429,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   std::span<const Index> originals;
   if (boundaries.surfaces) originals = images.parent;
   pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs);
+  if (thin) hide_behind_walls<D>(boundaries.sight, range, particles.size(), sources, images, near.pairs);
   if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
   list_plate_pairs(particles.plates.size(), near);
 }

@@ -4,6 +4,7 @@
 
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
+#include "common/particles/sight.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 
 #include <algorithm>
@@ -16,6 +17,7 @@ template <int D>
 struct Boundaries {
   using Kind = BoundaryKind;
   std::vector<sph::ImagePlane<D>> planes;    ///< plane k has boundary number k
+  sph::Sight<D> sight;                       ///< lines of sight past thin walls, where there are any (2D)
   std::shared_ptr<const Surfaces> surfaces;  ///< all walls, in place of planes, if any of them has a shape (3D)
   std::vector<Kind> kinds;                   ///< by boundary number
   ScalarArray friction;                      ///< Coulomb's friction coefficient, of frictional boundaries

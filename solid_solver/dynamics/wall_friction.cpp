@@ -6,6 +6,14 @@
 namespace poretwin::solid {
 namespace {
 
+/// Whether a wall itself lies opposite x [m], without what it is extended by for images.
+template <int D>
+bool stands_before(const sph::ImagePlane<D>& wall, const Vec<D>& x) {
+  if (wall.screen < 0) return wall.faces(x);
+  const double along = wall.tangent.dot(x);
+  return along >= wall.seen_from && along <= wall.seen_to;
+}
+
 /// Calls visit(image, node, weight) for the images that act on particle i, weight = V W'/r (x_i - x_j) [1/m].
 template <int D, class Visit>
 void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
@@ -103,7 +111,7 @@ void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit)
       if (state.regions.sleeps(i)) continue;
       const Vec<D>& x = state.nodes[i].position;  // the kernels'
       const double distance = normal.dot(x - walls.planes[k].point);
-      if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].faces(x))
+      if (distance >= 0.0 && distance < setup.spacing && stands_before(walls.planes[k], x))
         visit(i, walls.friction[k], normal, distance);
     }
   }

@@ -65,6 +65,31 @@ std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state,
   return pieces;
 }
 
+/// Coverage by the particles that see a place or its images past thin walls: a particle sees an image of the place along
+/// the line along which the place sees the particle's image.
+template <int D>
+double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const Vec<D>& place) {
+  const auto& p = state.particles;
+  const sph::Sight<D>& sight = setup.boundaries.sight;
+  const double h = setup.smoothing_length, reach = sph::support_radius * h;
+  VecArray<D> seen{place};
+  const auto images = sph::images_in_all_orders<D>(seen, sight.planes(), reach);
+  seen.insert(seen.end(), images.position.begin(), images.position.end());
+  typename sph::Sight<D>::Near walls;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    sight.find_near(p.position[i], reach, walls);
+    for (Index k = 0; k < seen.size(); ++k) {
+      const double weight = p.volume[i] * sph::WendlandC2<D>::value((seen[k] - p.position[i]).norm(), h);
+      if (weight <= 0.0) continue;
+      const bool open = k == 0 ? sight.open(p.position[i], place, walls)
+                               : sight.sees(p.position[i], k, 1, seen, images.by, images.of, walls);
+      if (open) sum += weight;
+    }
+  }
+  return sum;
+}
+
 /// Which particles lie inside the soil (1 or 0), judged by kernel sums over their neighbours and themselves.
 template <int D>
 std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
@@ -121,6 +146,7 @@ double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>
   }
   const auto pieces = pieces_along<D>(setup, state, x, up);
   auto coverage_at = [&](const Vec<D>& place) {
+    if (setup.boundaries.sight.limited()) return coverage_past_walls(setup, state, place);
     double sum = 0.0;
     for (const auto& piece : pieces)
       sum += piece.volume * sph::WendlandC2<D>::value((piece.position - place).norm(), setup.smoothing_length);

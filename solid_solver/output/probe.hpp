@@ -29,6 +29,9 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
   Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
   Basis right = Basis::Zero();
   double cover = 0.0;
+  const sph::Sight<D>& sight = setup.boundaries.sight;
+  typename sph::Sight<D>::Near walls;
+  sight.find_near(x, sph::support_radius * h, walls);
   for (std::size_t j = 0; j < n + state.near.images.size(); ++j) {
     const auto* rule = j < n ? nullptr : &state.near.images[j - n];
     const std::size_t parent = rule ? rule->parent : j;
@@ -37,6 +40,8 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
     const Vec<D> r = position - x;
     const double weight = state.particles.volume[parent] * sph::WendlandC2<D>::value(r.norm(), h);
     if (weight <= 0.0) continue;
+    // Past thin walls only particles themselves are read, where no wall hides them.
+    if (!walls.empty() && (rule || !sight.open(x, position, walls))) continue;
     cover += weight;
     if (rule && (reach == Reach::material || rule->slips || rule->moves) && !rule->periodic) continue;
     Basis basis;

@@ -459,6 +459,38 @@ TEST_F(CaseFile, NamesWallsAndFacesInTheWrongPlace) {
               HasSubstr("soil and water lie to the right of the walk"));
 }
 
+TEST_F(CaseFile, NamesThinWallsInSoilWhereNothingKeepsItsTwoSidesApart) {
+  const std::string bin = R"([case]
+end_time = 1
+[solid]
+model = "elastic"
+particle_spacing = 0.05
+[[soil]]
+max = [0.5, 0.6]
+[[soil]]
+min = [0.5, 0]
+max = [1, 0.4]
+[[wall]]
+points = [[0, 1], [0, 0], [1, 0], [1, 1]]
+soil = "roller"
+[[wall]]
+points = [[0.5, 1], [0.5, 0]]
+soil = "roller"
+)";
+  EXPECT_EQ(complaint(bin), "no complaint");
+  EXPECT_THAT(complaint(changed(bin, "[[0.5, 1], [0.5, 0]]", "[[0.475, 1], [0.475, 0]]")),
+              HasSubstr("wall[1], which runs through it; expected rows half a spacing from the line: draw one soil"));
+  const std::string water = "[fluid]\nparticle_spacing = 0.05\n[[fluid.region]]\n";
+  EXPECT_THAT(complaint(bin + water + "max = [0.5, 0.6]\n"),
+              HasSubstr("key 'wall[1]': runs through a [[soil]], for example at [0.5, 0.4"));
+  const std::string slot = changed(bin, "min = [0.5, 0]", "min = [0.6, 0]");
+  const std::string around = "[[0.5, 0], [0.5, 1], [0.6, 1], [0.6, 0]]";
+  EXPECT_EQ(complaint(changed(slot, "[[0.5, 1], [0.5, 0]]", around)), "no complaint");
+  EXPECT_THAT(complaint(changed(slot, "[[0.5, 1], [0.5, 0]]", around) +
+                        "[[plate]]\npoints = [[0.5, 0.6], [0, 0.6]]\nspeed = 1e-3\n"),
+              HasSubstr("is 0.1 m thick at [0.5, 0.0"));
+}
+
 TEST_F(CaseFile, NamesAGaugeOutsideEverything) {
   const std::string gauge =
       "[[gauge]]\nname = \"p\"\nphase = \"fluid\"\nkind = \"point\"\nquantity = \"pore_pressure\"\npoints = ";

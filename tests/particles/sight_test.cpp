@@ -50,7 +50,7 @@ struct Room {
       const auto lattice = fill<2>(region, 1.0, Point3(0.5, 0.5, 0.5), jitter, 3);
       x.insert(x.end(), lattice.position.begin(), lattice.position.end());
     }
-    sight = Sight<2>(sides_of_walls(scene, margin), sight_slack * margin);
+    sight = Sight<2>(sides_of_walls(scene, Keeps::water, margin), sight_slack * margin);
     images = sph::images_in_all_orders<2>(x, sight.planes(), reach);
     all = x;
     all.insert(all.end(), images.position.begin(), images.position.end());
