@@ -1,20 +1,22 @@
 #!/usr/bin/python3
-"""cases/terzaghi over its whole range: permeabilities 1e-2 .. 1e-6 m/s, exchange windows 1e-5 .. 1 s. OUT/consolidation.csv.
+"""Runs cases/terzaghi for permeabilities k of 1e-2 .. 1e-6 m/s and exchange windows (time steps of the coupling) of 1e-5 .. 1 s,
+and compares each run with an exact solution. Writes OUT/consolidation.csv; OUT is the folder of --out.
 
-Errors are the largest ones of the degree of consolidation, and of the base pressure over the load, from the dimensionless time
-Tv = 0.1 on; where that takes more than --windows windows, over the second half of those. Bounds: 0.01 with windows shorter than
-0.005 in Tv, 0.03 with windows shorter than 0.025; longer ones must only be bounded.
+Errors are the largest errors of the degree of consolidation (error_U) and of the base pressure over the load (error_p), from
+Terzaghi's dimensionless time Tv = 0.1 on. Where a run to Tv = 0.2 would take more than --windows windows, they are those of the
+second half of --windows windows. Bounds of the errors: 0.01 with windows shorter than 0.005 in Tv, 0.03 with windows shorter than
+0.025, 1 with longer windows (such runs only have to stay bounded).
 
 The reference is Terzaghi's series with the inertia of both phases, which dominates at k = 1e-2 m/s. Over an impermeable base the
-water fills the volume that the grains leave, n v_w = -n_s v_s, and the two momentum equations become one, for the displacement u
-and the pore pressure p along z:
+water fills the volume that the grains leave, n v_w = -n_s v_s, and the two momentum equations become one. For the displacement u
+and the pore pressure p along z (subscripts t and z: derivatives; other symbols: docs/theory/symbols.md):
 
     m u_tt + (gamma_w / k) u_t = M u_zz,    m = n_s rho_s + rho_w n_s^2 / n,
     p_z = rho_w (n_s / n) u_tt + (gamma_w / k) u_t.
 
-At k = 1e-2 m/s its base pressure jumps by 0.17 of the load when the wave's front arrives. A scheme with a front of finite width
-cannot have a largest error below half of that. `--check` compares the series with finite differences of the original equations:
-both momentum equations and continuity.
+At k = 1e-2 m/s the exact base pressure jumps by 0.17 of the load when the front of the wave arrives. In a scheme with a front of
+finite width the largest error is therefore at least half of 0.17. `--check` compares the series with a solution of the original
+equations (both momentum equations and continuity) by finite differences.
 """
 import argparse
 import pathlib
@@ -24,14 +26,14 @@ import numpy as np
 from plot import write_csv
 from runs import PROGRAM, Run
 
-HEIGHT, MODULUS, WEIGHT, LOAD = 0.4, 3e6 * 0.7 / (1.3 * 0.4), 9810.0, 1e3  # m, constrained modulus [Pa], N/m3, Pa
-POROSITY, GRAINS, WATER = 0.4, 2600.0, 1000.0  # kg/m3
+HEIGHT, MODULUS, WEIGHT, LOAD = 0.4, 3e6 * 0.7 / (1.3 * 0.4), 9810.0, 1e3  # m, constrained modulus [Pa], unit weight of water [N/m3], Pa
+POROSITY, GRAINS, WATER = 0.4, 2600.0, 1000.0  # 1, densities [kg/m3]
 CONDUCTIVITIES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
 WINDOWS = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0]
 
 
 def reference(k, t):
-    """Degree of consolidation and base pressure over the load at times t [s]."""
+    """Degree of consolidation, and base pressure over the load, at the times t [s], for the conductivity k [m/s]."""
     kappa = (np.pi / HEIGHT * (np.arange(2000) + 0.5))[:, None]
     start = 2.0 * LOAD / (MODULUS * HEIGHT * kappa**2) * (-1.0) ** np.arange(2000)[:, None]  # LOAD z / M as a series of sin(kappa z)
     mass, drag = (1.0 - POROSITY) * GRAINS + WATER * (1.0 - POROSITY) ** 2 / POROSITY, WEIGHT / k
@@ -49,13 +51,13 @@ def reference(k, t):
 
 
 def two_phases(k, rows, step, end):
-    """Reference solution by finite differences, independent of the series: velocities of grains and water at the nodes of a staggered
-    grid, pressure and stress between them, backward Euler. Returns times [s], degree of consolidation, base pressure over the
-    load."""
+    """Solution by finite differences, independent of the series: velocities of grains and water are at the nodes of a staggered
+    grid, pressure and stress between them; time steps [s] by backward Euler. Returns times [s], degree of consolidation, base
+    pressure over the load."""
     h, grains, drag = HEIGHT / rows, 1.0 - POROSITY, WEIGHT * POROSITY**2 / k
     width = np.diag(np.r_[np.full(rows - 1, h), 0.5 * h])  # the lowest node, at rest on the base, is left out
     fall = np.eye(rows, k=1) - np.eye(rows)  # differences of values between the nodes; zero above the top
-    stiffness = MODULUS / h * fall @ fall.T  # minus the matrix that acts on displacements
+    stiffness = MODULUS / h * fall @ fall.T  # minus the matrix that gives the forces of displacements
     zero = np.zeros((rows, rows))
     system = np.block([
         [width * (grains * GRAINS / step + drag) + step * stiffness, -drag * width, grains * fall],
@@ -74,8 +76,8 @@ def two_phases(k, rows, step, end):
 
 
 def check():
-    """Prints the largest differences between the series and two_phases(), from Tv = 0.1 on or over the second half; those of the
-    pressure also without the 1 ms before and after the front's arrival."""
+    """Prints the largest differences between the series and two_phases(), from Tv = 0.1 on or, in short runs, over the second half.
+    For the pressure it also prints the largest difference outside 1 ms before and after the front's arrival."""
     for k, end in ((1e-2, 0.04), (1e-6, 0.02)):
         unit = HEIGHT**2 * WEIGHT / (k * MODULUS)
         speed = np.sqrt(MODULUS / ((1.0 - POROSITY) * GRAINS + WATER * (1.0 - POROSITY) ** 2 / POROSITY))
@@ -89,7 +91,7 @@ def check():
 
 
 def write_references(folder):
-    """Writes the reference curves of verify.toml, one per permeability and gauge: 60 points per decade."""
+    """Writes the reference curves of verify.toml, one per permeability and gauge: some 60 points per decade of time."""
     for k in CONDUCTIVITIES:
         unit = HEIGHT**2 * WEIGHT / (k * MODULUS)
         t = np.geomspace(1e-5 * unit, 1.2 * unit, 300)

@@ -1,12 +1,15 @@
 #!/usr/bin/python3
-"""An estimate of the earth dam of docs/tutorials/earth-dam.md that is independent of poretwin: steady seepage with a free surface by finite volumes,
-and Bishop's simplified method on all circles through the downstream slope, with the pore pressures of that seepage.
+"""Estimates seepage and safety of the earth dam of docs/tutorials/earth-dam.md independently of poretwin: steady seepage with a free surface by
+finite volumes, and the factor of safety by Bishop's simplified method on circles through the downstream slope, with the pore pressures of that
+seepage.
 
-bench/earth_dam.py             the figures with which the page compares
-bench/earth_dam.py --check     the seepage through a dam whose discharge is known exactly
+bench/earth_dam.py              prints discharges and water tables with which the page compares
+bench/earth_dam.py --strength   also prints the factors of safety
+bench/earth_dam.py --check      prints the seepage through a dam whose discharge is known exactly
 
-Seepage: Darcy's law on square cells. Where the pressure is below zero, k is a millionth of its value (Bathe & Khoshgoftaar 1979: dry ground hardly
-conducts). On the downstream slope water either leaves at zero pressure or does not leave at all. Slopes are staircases of cells.
+Seepage follows Darcy's law on square cells. Where the pressure is below zero, the conductivity k is a millionth of its value (Bathe &
+Khoshgoftaar 1979: dry ground hardly conducts). On the downstream slope water either leaves at zero pressure or does not leave at all. Slopes are
+staircases of cells.
 """
 import argparse
 import math
@@ -18,12 +21,12 @@ from scipy.sparse.linalg import spsolve
 GAMMA_W = 9810.0  # N/m3
 HEAD = 8.0        # m, level of the reservoir
 DRAIN_FROM = 34.0  # m, where the drain under the downstream slope begins
-BASE, HEIGHT, CREST = 44.0, 10.0, (20.0, 24.0)
+BASE, HEIGHT, CREST = 44.0, 10.0, (20.0, 24.0)  # m: length of the base, height, ends of the crest
 SHELL = [(0, 0), (44, 0), (24, 10), (20, 10)]
 CORE = [(19, 0), (25, 0), (23, 10), (21, 10)]
 CONDUCTIVITY = {"shell": 1e-5, "core": 2e-7}  # m/s
 STRENGTH = {"shell": (5e3, 32.0), "core": (15e3, 24.0)}  # Pa, degrees
-DRY, SATURATED = 0.65 * 2650 * 9.81, (0.65 * 2650 + 0.35 * 1000) * 9.81  # N/m3, with n = 0.35
+DRY, SATURATED = 0.65 * 2650 * 9.81, (0.65 * 2650 + 0.35 * 1000) * 9.81  # unit weights [N/m3], with the porosity 0.35
 
 
 def inside(polygon, x, y):
@@ -36,7 +39,7 @@ def inside(polygon, x, y):
 
 
 class Seepage:
-    """Steady head in the dam. A cell belongs to the first of the given zones that contains it."""
+    """Steady head in the dam. A cell belongs to the first of the given zones that contains it, otherwise to the shell."""
 
     def __init__(self, zones, conductivity, cell=0.1, outline=SHELL, exit_from=CREST[1], drain=False):
         nx, ny = round(BASE / cell), round(HEIGHT / cell)
@@ -151,7 +154,8 @@ def bishop(circle, zones, seepage, table, slices=40):
 
 
 def lowest(zones, seepage=None):
-    """The smallest factor of all circles through the downstream slope that are at least a metre deep, and its circle."""
+    """The smallest factor of safety of circles through the downstream slope that are at least a metre deep, and its circle: coordinates of the
+    centre, radius [m]. The grid of centres is refined three times around the best circle."""
     table = None if seepage is None else [seepage.table(0.1 * n + 0.05) for n in range(int(BASE * 10))]
     best, at = math.inf, None
     centres = [(x, y) for x in np.arange(26.0, 46.0, 2.0) for y in np.arange(11.0, 40.0, 2.0)]
@@ -182,7 +186,8 @@ def main():
         found = Seepage({}, {"shell": 1e-5}, a.cell, outline=box, exit_from=22.0)
         print(f"vertical faces, 10 m apart: {found.discharge:.4g} m2/s, exactly {1e-5 * HEAD**2 / 20.0:.4g}")
         return
-    # Nearly all head is lost in a core fifty times less permeable than its shell: the core alone between reservoir and air.
+    # Nearly all of the head is lost in a core that is fifty times less permeable than its shell. So the core is computed alone, between reservoir
+    # and air.
     for k in (2e-7, 1e-6):
         found = Seepage({}, {"shell": k}, a.cell, outline=CORE, exit_from=22.0)
         print(f"core of {k:g} m/s alone: discharge {found.discharge:.3g} m2/s, comes out up to {found.exit:.2f} m", flush=True)

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""The extremes that each phase alone can be computed with: disorder, impacts, near-vacuum, ratios of permeability and stiffness, thin films,
-single particles, coarse and fine spacings, a million steps of rest, some in 3D (bench/extremes.toml): OUT/extremes.csv and a table.
-For both phases together: bench/stress.py.
+"""Runs scenes that are extreme for one phase alone (bench/extremes.toml): disorder, impacts, near-vacuum, large ratios of permeability and
+stiffness, thin films, single particles, coarse and fine spacings, a million steps of rest; some in 3D. Writes OUT/extremes.csv and prints a
+table. For both phases together: bench/stress.py.
 
-    bench/extremes.py                  all scenes, to their ends
-    bench/extremes.py --short disorder the short forms of the scenes with this word in their names
+    bench/extremes.py                  runs all scenes to their ends
+    bench/extremes.py --short disorder runs the short forms of the scenes with this word in their names
 
-A run that ends by itself is `bounded` if all its readings are within their bounds. Other runs are `refused`, before the first window, or
-`diverged`, given up; both with a reason. Exit code 1 if a run was neither bounded nor refused.
+Verdicts: a run that ends by itself is `bounded` if all values of its gauges are within their bounds, otherwise `unbounded`. A run may also be
+`refused` before its first window, have `diverged`, or be `too slow` (--longest). Exit code 1 if a run was neither bounded nor refused.
 """
 import argparse
 import math
@@ -46,7 +46,7 @@ def judged(phase, name, entry, settings, a):
         run = Run(path, settings, a.program, a.longest)
     why = run.reason.replace(str(path), "case.toml") if run.exit not in (0, 6) else "; ".join(complaints(run, entry))
     verdict = {0: "unbounded" if why else "bounded", 2: "refused", 4: "diverged", 124: "too slow"}.get(
-        0 if run.exit == 6 else run.exit, f"exit {run.exit}")  # 6: ended, but warnings put the result in doubt
+        0 if run.exit == 6 else run.exit, f"exit {run.exit}")  # 6: the run ended, with warnings that put the result in doubt
     steps = run.counter(phase, "substeps") or run.counter(phase, "windows")
     return {"phase": phase, "what": name, "verdict": verdict, "particles": int(run.counter(phase, "particles")), "steps": int(steps),
             "cpu_s": round(run.cpu, 2), "why": " ".join(why.split())}

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Makes docs/gallery from the cases themselves: for each case a picture, its first lines, the commands that made it, particles and run time.
+"""Makes docs/gallery by running the cases. The page gives for each case a picture, the first lines of its README, the commands that made the
+picture, the number of particles and the run time.
 
-bench/gallery.py           every case
-bench/gallery.py CASE..    these cases anew; results of the others are kept (docs/gallery/found.json)
-bench/gallery.py --page    the page alone, from kept results
+bench/gallery.py           runs every case
+bench/gallery.py CASE..    runs these cases; results of the others are kept (docs/gallery/found.json)
+bench/gallery.py --page    runs nothing; writes the page from kept results
 
-bench/gallery.toml says what is run and shown of each case.
+bench/gallery.toml says with which options each case is run, and what its picture shows.
 """
 import argparse
 import concurrent.futures
@@ -22,7 +23,7 @@ from PIL import Image
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GALLERY = ROOT / "docs" / "gallery"
 WIDEST, HIGHEST = 720, 480  # pixels, largest size on the page
-COLOURS = 256               # colours of a palette: a third of the file's size, with hardly a visible difference
+COLOURS = 256               # of a palette: the file has a third of its size, with hardly a visible difference
 LONGEST = 5                 # lines of text per case
 HEAD = """# Gallery
 
@@ -54,7 +55,7 @@ def small(picture, target):
 
 
 def make(case, poretwin, runs, again=False):
-    """Runs a case (again: uses the existing run) and draws its picture; returns the entry of the page."""
+    """Runs a case and draws its picture; returns the page's data of the case. again: uses the existing run."""
     folder = runs / case["name"]
     report = runs / f"{case['name']}.json"
     command = [poretwin, *shlex.split(case["command"])[1:], "--out", folder, "--json", report, "--quiet"]

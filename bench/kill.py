@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Kills one of the three processes of a coupled run at a random moment, many times, and compares the results of the resumed run
-with those of an undisturbed one, bit by bit.
+"""Kills one of the three processes of a coupled run at a random moment, resumes the run, and compares its results with those of
+an undisturbed run, bit by bit. This trial is repeated --moments times.
 
     bench/kill.py [--moments 60] [--programs build/release/bin] [--seed 1] [CASE [options of poretwin run]...]
 
-Every other time `poretwin run` restarts by itself, otherwise it is started with --resume. A trial passes when the results are
-equal, no process hangs, and no process, socket or shared memory remains."""
+In every other trial `poretwin run` restarts the processes by itself; in the others the run is started again with --resume. A
+trial passes when the results are equal, no process hangs, and no process, socket or shared memory remains."""
 
 import argparse
 import os
@@ -22,11 +22,11 @@ import h5py
 import numpy as np
 
 DEFAULT = ["terzaghi", "--set", "case.end_time=0.3", "--set", "output.interval=0.004"]
-PATIENCE = 60.0  # s, longest time for a run of some seconds
+PATIENCE = 60.0  # s: a run, which takes some seconds, hangs if it takes longer than this
 
 
 def content(path):
-    """All data in a file of particles, except who made it when."""
+    """All data in a file of particles, except its provenance (which program wrote it, and when)."""
     found = {}
 
     def take(name, item):
@@ -58,7 +58,7 @@ def differences(one, other):
 
 
 def processes_of(out):
-    """Ids of the processes that were started with this folder, by program."""
+    """Ids of the processes that were started with this folder, by name of the program."""
     found = {}
     for entry in pathlib.Path("/proc").iterdir():
         try:
@@ -89,7 +89,7 @@ class Trials:
                                 env={**os.environ, "TMPDIR": str(self.temporary)})
 
     def kill(self, out, victim, moment):
-        """Kills a process; False where it had already ended."""
+        """Kills the process `victim` after `moment` seconds; False where it had already ended."""
         time.sleep(moment)
         for _ in range(100):
             ids = processes_of(out).get(f"poretwin-{victim}")
@@ -102,7 +102,8 @@ class Trials:
         return False
 
     def complaint(self, out, run, restarts, killed):
-        """What went wrong; empty: nothing."""
+        """Waits for the end of a run, and resumes it where it does not restart by itself. Returns a text that says what went
+        wrong, or an empty text."""
         try:
             code = run.wait(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
@@ -113,7 +114,7 @@ class Trials:
             return f"the cause is not named: {said}"
         if restarts or code == 0:
             return f"exit code {code}: {said}" if code else ""
-        # Resumed with --resume. Before the first checkpoint there is nothing to resume, and the run says so.
+        # A run that was killed before its first checkpoint refuses --resume, and is started from time zero.
         again = self.start(out, ["--resume"])
         code = again.wait(timeout=PATIENCE)
         if code == 5 and "nothing to resume" in pathlib.Path(f"{out}.err").read_text():

@@ -1,23 +1,29 @@
 #!/usr/bin/python3
-"""Saturated soil that moves as a mixture: cases/saturated_block, shear_wave, sinking_disc and sliding_slope for several conductivities, spacings and
-exchange windows, each compared with the exact value and with its dry twin (the soil without water). One table, and OUT/moving_mixture.csv.
+"""Runs saturated soil that moves as a mixture with its water: cases/saturated_block, shear_wave, sinking_disc and sliding_slope for several
+conductivities k, spacings and exchange windows (time steps of the coupling). Compares each run with the exact value and with its dry twin (the soil
+without water). Prints one table per case; with --out it also writes OUT/moving_mixture.csv.
 
-    block  v/exact      speed of the block 0.1 m above the base at 0.2 s, over g sin(25 degrees) t, which holds for any k
-           v/exact_0.1  the same at 0.1 s
-           lowest       its lowest speed from 0.05 s on, over g sin(25 degrees) t; negative: it has turned round
-    shear  rms          error of the soil's mean velocity over the depth against the exact solution, over v0, until 0.15 s
-           rms/dry      that error over the dry twin's at the same spacing
-           mode_5       largest amplitude of the first mode in its fifth period over the exact one (dry: over the undamped one)
-           energy       largest rise of the energy of both phases above an earlier reading, over the initial kinetic energy
-    disc   a/exact      mean acceleration until 0.15 s over g (rho_sat - rho_w) / (rho_sat + C rho_w), C = 1.047 the added mass in this tank
-    slope  v/exact      speed of a frictional layer at mid-depth at 0.2 s, started with hydrostatic pressure, over
-                        g (sin - (gamma' / gamma_sat) cos tan(20 degrees)) t (dry: without the quotient); v/exact_0.1 at 0.1 s
-           stress       lowest and highest effective stress across the slope at mid-depth, over the initial one; exact: 1
+Columns of the tables, by scene (t: time of the value):
+
+    block  v/exact      speed of the block 0.1 m above the base at 0.2 s, over g sin(25 degrees) t, which is exact for any k
+           v/exact_0.1  the same ratio at 0.1 s
+           lowest       lowest value of this ratio from 0.05 s on; negative: the block has turned round
+    shear  rms          error of the soil's mean velocity over the depth against the exact solution until 0.15 s, over the initial velocity v0
+           rms/dry      rms over the rms of the dry twin at the same spacing
+           mode_5       largest amplitude of the first mode in its fifth period, over the exact amplitude (dry: over the undamped amplitude)
+           energy       largest rise of the energy of both phases above an earlier value, over the initial kinetic energy
+    disc   a/exact      mean acceleration until 0.15 s over g (rho_sat - rho_w) / (rho_sat + C rho_w), with the added mass C = 1.047 in this tank
+    slope  v/exact      speed of a frictional layer at mid-depth at 0.2 s, started with hydrostatic pressure, over g (sin(25 degrees) -
+                        (gamma' / gamma_sat) cos(25 degrees) tan(20 degrees)) t, with the buoyant and the saturated unit weight gamma' and
+                        gamma_sat (dry: without their quotient)
+           v/exact_0.1  the same ratio at 0.1 s
+           stress_min   lowest effective stress across the slope at mid-depth, over the initial stress; exact: 1
+           stress_max   highest effective stress there, over the initial stress; exact: 1
     every  fastest      largest speed of any water particle [m/s]
 
-Exact shear wave: mode q = (m + 1/2) pi / H starts with 2 v0 / ((m + 1/2) pi); with the displacement X and velocity U of the soil and
-the water's velocity W, X' = U, n_s rho_s U' = -G q^2 X - C (U - W), n rho_w W' = C (U - W), C = gamma_w n^2 / k. `--check`
-compares this with cases/shear_wave/reference.
+Exact shear wave: the mode of wave number q = (m + 1/2) pi / H in the height H starts with the velocity 2 v0 / ((m + 1/2) pi). For the displacement X
+and velocity U of the soil and the water's velocity W (primes: time derivatives; other symbols: docs/theory/symbols.md) it follows
+X' = U, n_s rho_s U' = -G q^2 X - C (U - W), n rho_w W' = C (U - W), C = gamma_w n^2 / k. `--check` compares this with cases/shear_wave/reference.
 """
 import argparse
 import pathlib
@@ -29,14 +35,14 @@ from runs import PROGRAM, Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 CASES = HERE.parent / "cases"
-G, WEIGHT, WATER, GRAINS, POROSITY = 9.81, 9810.0, 1000.0, 2600.0, 0.4  # m/s2, N/m3, kg/m3
-HEIGHT, SHEAR, PUSH = 0.2, 3e6 / 2.6, 0.1  # m, Pa, m/s: of the shear wave
-ADDED_MASS = 1.047  # of a disc of 0.1 m in the middle of a tank of 1.2 m by 1.2 m, over its displaced water (image sums)
+G, WEIGHT, WATER, GRAINS, POROSITY = 9.81, 9810.0, 1000.0, 2600.0, 0.4  # m/s2, N/m3, kg/m3, kg/m3, 1
+HEIGHT, SHEAR, PUSH = 0.2, 3e6 / 2.6, 0.1  # of the shear wave: height [m], shear modulus [Pa], initial velocity [m/s]
+ADDED_MASS = 1.047  # of a disc of 0.1 m radius in the middle of a tank of 1.2 m by 1.2 m, over the displaced water (sums of images)
 HEIGHTS = np.arange(0.01, 0.2, 0.02)  # m, of the gauges `speed`
 
 
 def modes(k, t, count):
-    """Velocity of the soil in the first `count` modes [mode, time]; k = inf: soil without water."""
+    """Velocity of the soil [m/s] in the first `count` modes at the times t [s]: an array [mode, time]; k = inf: soil without water."""
     soil, water = (1.0 - POROSITY) * GRAINS, POROSITY * WATER
     drag = 0.0 if np.isinf(k) else WEIGHT * POROSITY**2 / k
     velocities = np.empty((count, len(t)))
@@ -51,7 +57,8 @@ def modes(k, t, count):
 
 
 def period(k):
-    """Period of the first mode [s]: of the mixture where drag couples both phases within it, else of the soil alone."""
+    """Period of the first mode [s]. k = inf: that of the soil alone. Otherwise from the zeros of its velocity within 0.06 s; where there are too
+    few, that of soil and water that move together."""
     soil = (1.0 - POROSITY) * GRAINS
     if np.isinf(k):
         return 4.0 * HEIGHT * np.sqrt(soil / SHEAR)
@@ -62,12 +69,12 @@ def period(k):
 
 
 def mean_velocity(k, t):
-    """Mean velocity of the soil over its height [m/s]."""
+    """Mean velocity of the soil over its height [m/s] at the times t [s]."""
     return modes(k, t, 400).T @ (1.0 / ((np.arange(400) + 0.5) * np.pi))
 
 
 def fifth(k):
-    """The times between which the fifth period lies [s], and the largest exact amplitude of the first mode in it [m/s]."""
+    """The times between which the fifth period of the first mode lies [s], and the mode's largest exact velocity in this period [m/s]."""
     span = np.array([4.0, 5.0]) * period(k)
     return span, modes(k, np.linspace(*span, 2001), 1)[0].max()
 
@@ -131,7 +138,7 @@ def slope(run, k):
     return {"v/exact": v[-1] / (a * times[-1]), "v/exact_0.1": at(run, "speed[1]", 0.1) / (a * 0.1), "stress_min": stress.min(), "stress_max": stress.max()}
 
 
-# judge, case, soils, end of the run [s], conductivities [m/s]
+# For each scene: function that computes the columns, case, number of soils, end of the run [s], conductivities [m/s].
 SCENES = {
     "block": (block, "saturated_block", 2, 0.2, [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7]),
     "shear": (shear, "shear_wave", 1, 0.17, [0.1, 1e-2, 1e-3, 1e-4, 1e-6]),
@@ -141,7 +148,7 @@ SCENES = {
 
 
 def one(a, scene, k, spacing, window):
-    """One run and its table row; k None: the dry twin."""
+    """Makes one run and returns its table row; k None: the dry twin."""
     judge, case, soils, end, _ = SCENES[scene]
     dry = k is None
     settings = [f"{'solid' if dry else 'fluid'}.particle_spacing={spacing}", "output.interval=0", *a.set]

@@ -104,9 +104,10 @@ void measure(std::size_t n, bool layered) {
 
 int main() {
   std::puts(
-      "Seconds of the stencil, of the solve to 1e-4 on the diagonal, with aggregates and by multigrid (their building "
-      "included), and "
-      "nanoseconds a particle of a product with the matrix and of a cycle; points in disorder, one run");
+      "Times in CPU seconds: to build the stencil; to solve for the pressure to a tolerance of 1e-4 with the matrix's "
+      "diagonal as preconditioner, with aggregates, and by multigrid (the time to build aggregates or multigrid "
+      "included); to build multigrid (\"building\"). The last two columns give nanoseconds per particle for one product "
+      "with the matrix and for one multigrid cycle. The points are in disorder; one run each");
   std::puts(
       "| scene | particles | stencil | on the diagonal: iterations | s | with aggregates | s | by multigrid: cycles | "
       "s | "

@@ -1,20 +1,22 @@
 #!/usr/bin/python3
-"""Costs of the coupling besides the solvers' own work, from the time line of `poretwin run --profile`: overhead.csv.
+"""Measures the time that the coupling costs besides the solvers' own work, from the time line of `poretwin run --profile`. Writes
+overhead.csv.
 
-Every instant of a run counts for one activity: computing if a process computes, else writing, mapping or sending, else `nobody`.
+Every instant of a run counts for one activity: computing if a process computes, else writing, checkpointing, mapping or sending
+(in this order), else `nobody`. Columns of the table:
 
-    overhead       (mapping + sending + nobody) / whole. In a serial schedule one solver computes while the other waits, which is
-                   no overhead
-    critical path  whole / (whole - nobody): the run over the measured work of its schedule, where dependent activities follow each
-                   other without a gap
+    overhead            (mapping + sending + nobody) / whole time. In a serial schedule one solver computes while the other waits;
+                        this is no overhead
+    over the critical   whole time / (whole time - nobody): the run time over the time that it would take if activities that
+    path                depend on each other followed each other without a gap
+    fluid waits,        time in which this solver waits for the other solver or for the coupler, over the whole time
+    solid waits
+    both                time in which both solvers compute, over the whole time
 
-    waiting        of each solver, over the whole: for the other one and for the coupler
-    both           time in which both compute, over the whole
-
-The first scene is a column of 3000 particles (cases/terzaghi) with an exchange at every substep of the soil, serial and parallel
-(docs/theory/coupling.md, "Other schemes"); the others are cases/embankment_seepage and, to its end, cases/embankment_failure,
-with the windows that they choose. --trace evaluates an existing time line. On a busy machine a process without a core
-counts as `nobody`, too: the shortest of --repeat runs is reported.
+The first two scenes are a column of 3000 particles (cases/terzaghi) with an exchange at every substep of the soil, by the serial
+and by the parallel scheme (docs/theory/coupling.md, "Other schemes"). The others are cases/embankment_seepage and, to its end,
+cases/embankment_failure, with windows that the solvers choose. --trace evaluates an existing time line. On a busy machine the time
+in which a process waits for a processor core may count as `nobody`, too; therefore the shortest of --repeat runs is reported.
 """
 import argparse
 import collections
@@ -37,7 +39,7 @@ OVERLAP = ["fluid waits", "solid waits", "both"]
 
 
 def shares(events):
-    """Seconds of each activity, from the second window's mapping to the last one's."""
+    """Seconds of each activity, from the mapping of the second window to that of the last window."""
     spans = [(e["ts"], e["ts"] + e["dur"], e["name"]) for e in events if e["ph"] == "X" and e["name"] in ACTIVITIES]
     mapped = sorted(begin for begin, _, name in spans if name == "mapping")
     first, last = mapped[min(4, len(mapped) - 1)], mapped[-1]

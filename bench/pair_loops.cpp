@@ -110,8 +110,11 @@ int main(int argc, char** argv) {
   const ScalarArray radius(x.size(), 2.0 * h);
   const auto list = sph::find_pairs<2>(x, x, radius, true);
   const auto n_pairs = static_cast<double>(list.index.size());
-  fmt::print("{} particles, {:.1f} neighbours, one thread; million directed pairs a CPU second\n", x.size(),
-             n_pairs / static_cast<double>(x.size()));
+  fmt::print(
+      "Speed of the solvers' loops over pairs of particles, for {} particles with {:.1f} neighbours, on one thread, in "
+      "million directed pairs per CPU second (each pair counts once for each of its two particles). The rows \"floor\" "
+      "are the simplest possible loops; the last column divides by the fastest of these\n",
+      x.size(), n_pairs / static_cast<double>(x.size()));
   double floor = 0.0;
   const auto report = [&](const char* name, double pairs, double time, bool is_floor) {
     const double rate = 1e-6 * pairs / time;

@@ -1,9 +1,9 @@
-"""Common tables and pictures of the benchmarks: rows to CSV, curves to PNG. Needs python3-matplotlib."""
+"""What the benchmarks have in common: writing rows as CSV, drawing curves as PNG. Needs python3-matplotlib."""
 import csv
 import pathlib
 import sys
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "cli"))  # after this folder: it has another plot.py
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "cli"))  # after this folder: cli/ has a plot.py
 import style  # noqa: E402
 from style import plt  # noqa: E402
 
@@ -21,7 +21,8 @@ def write_csv(path, rows):
 
 
 def error_curves(path, title, rows, abscissae, error="error", label="scheme", bound=None):
-    """Draws the error against each of `abscissae` (key: axis label), log-log, one curve per value of `label`."""
+    """Draws the error against each of `abscissae` (key of the rows: axis label), log-log, one curve for each value of
+    `label`. bound: drawn as a line."""
     figure, panels = plt.subplots(1, len(abscissae), figsize=(4.5 * len(abscissae), 3.8), sharey=True, squeeze=False)
     for panel, (key, text) in zip(panels[0], abscissae.items()):
         for name in dict.fromkeys(row[label] for row in rows):

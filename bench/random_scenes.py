@@ -1,18 +1,26 @@
 #!/usr/bin/python3
-"""Random scenes, each compared with an exact value or with its own finite-volume solution; the exit code is 1 if any is silently wrong.
+"""Runs random scenes and compares each with an exact value or with its own finite-volume solution. The exit code is 1 if any scene is silently
+wrong or failed.
 
-    still   water at rest: tanks with slanted sides, steps, blocks, two chambers, ground below water; pressure rho g (H - y), speeds
-    column  steady seepage through layers in series, gravity at any angle to them; discharge U = dh / sum(t / k), heads
-    plane   steady seepage in a plane: lenses, slanted and stepped layers, drains, thick piles; against finite volumes
-    dry     elastic soil at rest beside smooth walls, in layers; vertical stress rho g h, horizontal stress K0 times that
-    wet     the same, saturated and under a pond; pore pressure and effective stress
+Kinds of scenes, and what is compared:
+
+    still   water at rest in tanks with slanted sides, steps, blocks or two chambers, or above ground: pressure rho g (H - y) at the height y
+            below the level H; largest speed
+    column  steady seepage through layers in series, with gravity at any angle to the layers: discharge per area dh / sum(t / k), with the
+            difference of heads dh, thickness t and conductivity k of the layers; heads
+    plane   steady seepage in a plane with lenses, slanted and stepped layers, drains or thick piles: discharge and heads by finite volumes
+    dry     elastic soil at rest beside smooth walls, in layers: vertical stress rho g h at the depth h; horizontal stress, K0 times the
+            vertical one
+    wet     as dry, but saturated and under a pond: pore pressure, effective stress
 
 Every scene has a random size from 1e-2 to 1e2 m, a random position up to 1e6 m from the origin and a random angle to the lattice.
 
-Outcomes: right; refused (by `poretwin check`); stopped (with a reason, exit codes 3 and 4); warned (exit code 6); slow (--longest);
-SILENTLY WRONG: it ended by itself without a warning but exceeds its bound; failed: any other end. `error`: the largest error, relative
-(heads: to their difference; pressures and stresses: to those at the base); `bound`: 0.3 over the number of rows in the thinnest part,
-3 % at 10 rows, but not below 1 %.
+Outcomes: right; refused (by `poretwin check`); stopped (the run itself gave a reason, exit codes 3 and 4); warned (exit code 6); slow (the
+run took longer than --longest); SILENTLY WRONG: the run ended by itself without a warning, but an error exceeds its bound; failed: any other
+end.
+
+Column `error`: the largest relative error. For heads it is relative to the difference of heads, for pressures and stresses to those at the
+base. Column `bound`: 0.3 divided by the number of particle rows in the thinnest part (3 % at 10 rows), but at least 1 %.
 """
 import argparse
 import collections
@@ -32,15 +40,15 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-FIRST_ORDER, SMALLEST = 0.3, 0.01  # error with one row; smallest bound
+FIRST_ORDER, SMALLEST = 0.3, 0.01  # bound with one row of particles; smallest bound
 # Kinds of scenes that are known to be refused or wrong: drawn only with --known NAME.
 KNOWN = {"thin_walls": "piles thinner than the kernel's reach", "part_faces": "faces that end on a straight wall"}
 
 
 @dataclasses.dataclass
 class Held:
-    """A scene and the values with which its gauges are compared: {gauge: (right value, scale of the error)}; `most`: {gauge: largest
-    reading}."""
+    """A scene and the values with which its gauges are compared. `rows`: number of particle rows in its thinnest part; `values`:
+    {gauge: (right value, scale of the error)}; `most`: {gauge: largest allowed reading}."""
     scene: Scene
     rows: float
     values: dict
@@ -61,7 +69,7 @@ def pick(rng, *options):
 
 
 def where(rng, size, spacing):
-    """Random angle [rad] and position [m]."""
+    """A random angle [rad] and position [m] of a scene with this size [m] and particle spacing [m]."""
     angle = rng.choice([0.0, 1.0, 2.0], p=[0.25, 0.15, 0.6])
     angle = 0.0 if angle == 0.0 else rng.integers(1, 4) * 0.5 * np.pi if angle == 1.0 else rng.uniform(-np.pi, np.pi)
     far = rng.choice([0, 1, 2], p=[0.4, 0.4, 0.2])
@@ -136,7 +144,7 @@ def column(rng, _known):
     thick = np.maximum(thick, 1.0) if count > 1 else np.maximum(thick, 5.0)
     across = rng.integers(6, 16)
     k = 10.0 ** rng.uniform(-7, -2) * 10.0 ** (rng.uniform(-3, 3, count) * rng.choice([0.0, 0.3, 1.0]))
-    k = np.clip(k, 1e-9, 0.1)  # faster flow takes seconds to develop
+    k = np.clip(k, 1e-9, 0.1)  # with a larger k, the flow takes seconds to become steady
     size = log_uniform(rng, 1e-2, 1e2)
     dx = size / max(across, thick.sum())
     ends = np.r_[0.0, np.cumsum(thick * dx)]
@@ -168,8 +176,9 @@ def column(rng, _known):
 
 
 def finite_volumes(width, height, parts, default, holes, faces, h):
-    """Steady seepage in a rectangle. A point has the conductivity of the first part that contains it, none in holes; faces: [(side, from, to,
-    head)]. Returns a function that gives the head at points, and the inward discharge through each face [m2/s]."""
+    """Steady seepage in a rectangle, in cells of about h by h [m]. A point has the conductivity of the first part that contains it, otherwise
+    `default`; holes do not conduct. faces: [(side, from, to, head)]. Returns a function that gives the head at points, and the inward discharge
+    through each face [m2/s]."""
     nx, ny = round(width / h), round(height / h)
     hx, hy = width / nx, height / ny
     x, y = np.meshgrid((np.arange(nx) + 0.5) * hx, (np.arange(ny) + 0.5) * hy, indexing="ij")
@@ -361,7 +370,8 @@ def drawn(seed, known=(), kinds=tuple(KINDS)):
 
 
 def judge(held, run):
-    """The largest error, over its scale, and the gauge that has it. Compared are means over the second half of a run."""
+    """The largest error, over its scale, and the gauge that has it. What is compared is the mean of each gauge over the second half of the
+    run."""
     worst, which = 0.0, ""
     for name, (right, unit) in held.values.items():
         if name not in run.gauges:

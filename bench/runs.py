@@ -1,4 +1,4 @@
-"""A run of poretwin in a benchmark: its gauges, its exit, its costs."""
+"""A run of poretwin in a benchmark: its gauges, its exit code, its run times."""
 import contextlib
 import csv
 import json
@@ -16,9 +16,10 @@ PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" /
 
 
 class Run:
-    """exit: exit code (124: stopped after `longest` seconds); reason: its last message; gauges: {name: (times, values)};
-    summaries: {process: its summary}; cpu, wall: seconds of all processes; trace: events of its time line, with `profile`;
-    threads: per solver, None: all cores; folder: kept after the run, None: a temporary one."""
+    """Makes the run. Arguments: threads of each solver, None: all cores; folder: kept after the run, None: a temporary folder.
+    Results: exit: exit code (124: stopped after `longest` seconds); reason: messages of the run; gauges: {name: (times, values)};
+    summaries: {process: its summary}; cpu: CPU seconds of all processes; wall: wall-clock seconds; trace: events of the time line,
+    only with `profile`."""
 
     def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False, threads=None, folder=None):
         with contextlib.nullcontext(folder) if folder else tempfile.TemporaryDirectory() as folder:

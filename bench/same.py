@@ -1,16 +1,21 @@
 #!/usr/bin/python3
-"""Compares two builds: runs every case's short form with both, and reports whether their results are the same, bit by bit.
+"""Compares two builds: runs the short form of every case with both, and reports whether their results are the same, bit by bit.
 
     bench/same.py OLD NEW [CASE ..] [--out DIR] [--checkpoints S]
 
-OLD and NEW are build folders, or copies of them, with bin/ and share/poretwin/cases. Each build runs the cases beside it, so that
-keys may have been renamed between the two. Compared are: gauges and the time lines of frames, byte by byte; frames, data set by data
-set (HDF5 files also contain who wrote them and when); the numbers of windows, substeps and iterations; and the states in
-checkpoints, byte by byte (their heads name the program). A run that ends well removes its checkpoints. Therefore each case's first
-run is started again with both builds, with a checkpoint after every window, and stopped after some seconds; the checkpoints found
-meanwhile that belong to the same windows are compared.
+OLD and NEW are build folders, or copies of them, with bin/ and share/poretwin/cases. Each build runs the cases in its own folder, so
+that keys may have been renamed between the two builds. The program compares:
 
-The results of OLD below --out are kept, and used again if neither its programs nor its case have changed.
+    gauges and the time lines of frames, byte by byte
+    frames, data set by data set (HDF5 files also contain who wrote them and when)
+    the numbers of windows, substeps and iterations
+    the states in checkpoints, byte by byte, without their heads, which name the program
+
+A run that ends well removes its checkpoints. Therefore each case's first run is started again with both builds, with a checkpoint
+after every window, and stopped after --checkpoints seconds. Meanwhile the states are collected; those of the same windows are
+compared.
+
+The results below --out are kept, and used again if neither the programs of the build nor the case have changed.
 Exit code: 0 no difference, 1 a difference, 2 nothing to compare.
 """
 import argparse
@@ -28,7 +33,7 @@ import tomllib
 from kill import differences
 from runs import PROGRAMS
 
-NO_RESULTS = ("_s", "_bytes")  # endings of counters that depend on time or memory; checkpoints are taken by the clock
+NO_RESULTS = ("_s", "_bytes")  # endings of the names of counters that depend on run time or memory; they are not compared
 
 
 def cases_of(build):
@@ -43,7 +48,7 @@ def fingerprint(build, case):
 
 
 def verify(build, case, out):
-    """Makes every short run of the case, below out / case. The verdicts do not matter here: a missed bound must be the same, too."""
+    """Makes every short run of the case, below out / case. Whether errors are within their bounds does not matter here."""
     subprocess.run([build / "bin" / "poretwin", "verify", cases_of(build) / case, "--short", "--out", out],
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
@@ -71,7 +76,8 @@ def state_in(data):
 
 
 def catch_checkpoints(build, case, out, seconds):
-    """Digests of the states in checkpoints of the case's first short run, collected while it runs, by process and window: caught.json."""
+    """Runs the case's first short run for some seconds, and writes caught.json: digests of the states in its checkpoints, by process
+    and window."""
     spec = tomllib.loads((cases_of(build) / case / "verify.toml").read_text())
     first = next((run for run in spec["run"] if run.get("when") != "full" and run.get("command", "run") == "run"), None)
     if first is None:
@@ -90,14 +96,14 @@ def catch_checkpoints(build, case, out, seconds):
                     try:
                         caught[name] = hashlib.sha256(state_in(file.read_bytes())).hexdigest()
                     except FileNotFoundError:
-                        pass  # removed meanwhile
+                        pass  # the run has removed the file
             time.sleep(0.001)
         process.send_signal(signal.SIGINT)
     (out / "caught.json").write_text(json.dumps(caught))
 
 
 def left_by(build, case, out, seconds):
-    """Runs the case, unless results of the same build exist."""
+    """Runs the case, unless results of the same build and case exist."""
     stamp, mark = out / "stamp", f"{fingerprint(build, case)} {seconds}"
     if stamp.exists() and stamp.read_text() == mark:
         return
@@ -116,7 +122,7 @@ def counted(file):
 
 
 def compared(old, new, case):
-    """The differences, and the number of compared items."""
+    """The differences, the number of compared runs and the number of compared checkpoints."""
     bad, runs = [], 0
     folders = [{file.parent.relative_to(out) for file in (out / case).rglob("run.toml")} for out in (old, new)]
     for run in sorted(folders[0] | folders[1]):

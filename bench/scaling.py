@@ -1,15 +1,17 @@
 #!/usr/bin/python3
-"""Cost per particle and step, memory and iterations against the number of particles and of threads: scaling.csv, .png.
+"""Measures time per particle and step, memory and iterations for several numbers of particles and threads. Writes scaling.csv and scaling.png.
 
     bench/scaling.py                                        one thread, 10 thousand to 1 million particles
     bench/scaling.py --threads 1 2 --sizes 100000           speed-up of both solvers
-    bench/scaling.py --phases "fluid 3D" --sizes 2e6        2 million particles in 3D: some 4 GB
+    bench/scaling.py --phases "fluid 3D" --sizes 2e6        2 million particles in 3D; takes some 4 GB of memory
 
-Water: seepage through a saturated aquifer of rigid soil (cases/confined_flow), also in 3D. Soil: the dry embankment
-(cases/embankment_dry), unloaded at first. The cost of a step is the difference between a long and a short run over the steps between them, so that
-reading, the first search and writing cancel. Two speed-ups: of the wall-clock time (on a quiet machine); and the CPU time of all threads over
-that of the first, which does all serial work: what threads gain where each has a core of its own, measured in one run, also on a busy machine.
-Memory is the largest of the solver, less that of a run with 1000 particles.
+Water: seepage through a saturated aquifer of rigid soil (cases/confined_flow), also in 3D. Soil: the dry embankment (cases/embankment_dry),
+without stress at first. The time of a step is the difference of the times of a long and a short run, divided by the difference of their numbers
+of steps. So the times for reading the case, for the first search of neighbours and for writing cancel.
+
+There are two speed-ups. "By wall" is that of the wall-clock time; it is meaningful on a quiet machine only. "All threads over the first" is the
+CPU time of all threads divided by that of the first thread, which does all serial work: the speed-up that threads give where each has a core of
+its own. It is measured in one run, also on a busy machine. Memory is the solver's largest memory, less that of a run with 1000 particles.
 """
 import argparse
 import json
@@ -39,11 +41,11 @@ def water_3d(n, windows):
 
 def soil(n, steps):
     dx = (0.32 / n) ** 0.5
-    end = steps * 0.8 * dx / 51.0  # s: Courant number over the speed of sound
+    end = steps * 0.8 * dx / 51.0  # s: Courant number 0.8, speed of compression waves 51 m/s
     return "embankment_dry", [f"solid.particle_spacing={dx}", f"case.end_time={end}", "solid.initial_rest=false"]
 
 
-# Solver, scene, steps of the short and the long run, name of the steps.
+# Solver, scene, numbers of steps of the short and the long run, name of the counter of steps.
 PHASES = {"fluid": ("fluid", water, (3, 27), "windows"), "fluid 3D": ("fluid", water_3d, (2, 8), "windows"),
           "solid": ("solid", soil, (10, 50), "substeps")}
 

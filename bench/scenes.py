@@ -1,4 +1,4 @@
-"""Scenes of poretwin written by a program: drawn upright at the origin, then rotated and moved."""
+"""Case files written by a program. A scene is drawn upright at the origin, then rotated and moved."""
 import numpy as np
 
 WATER, WEIGHT, G = 1000.0, 9810.0, 9.81  # kg/m3, N/m3, m/s2
@@ -9,7 +9,7 @@ def box(x0, y0, x1, y1):
 
 
 def inside(polygon, points):
-    """Mask of the points that lie in a polygon."""
+    """For each point, whether it lies in the polygon."""
     x, y = np.asarray(points, float).T
     result = np.zeros(len(x), bool)
     for (xa, ya), (xb, yb) in zip(polygon, np.roll(polygon, -1, axis=0)):
@@ -19,8 +19,8 @@ def inside(polygon, points):
 
 
 class Scene:
-    """angle: of the whole drawing to the lattice [rad]; gravity: additional angle of gravity to the drawing's y axis [rad];
-    place: position of the drawing's origin [m]."""
+    """angle: rotation of the whole drawing against the lattice of particles [rad]; gravity: further rotation of gravity against
+    the drawing's y axis [rad]; place: position of the drawing's origin [m]; strength: of gravity [m/s2]; end: duration [s]."""
 
     def __init__(self, spacing, end, angle=0.0, place=(0.0, 0.0), gravity=0.0, strength=G, title=""):
         self.spacing, self.end, self.angle, self.title = spacing, end, angle, title
@@ -36,14 +36,14 @@ class Scene:
         return (np.atleast_2d(points) @ self.turn.T + self.place).tolist()
 
     def head(self, value):
-        """Converts a head above the drawing's origin to an elevation."""
+        """Converts a head above the drawing's origin to a head above the origin of coordinates [m]."""
         return float(value + self.up @ self.place)
 
     def add(self, part, **keys):
         self.parts.append((part, keys))
 
     def shape(self, points):
-        """Keys of a polygon. An upright rectangle becomes a box where the drawing is not rotated."""
+        """Keys of a polygon in a case file. An upright rectangle becomes a box where the drawing is not rotated."""
         points = np.asarray(points, float)
         lower, upper = points.min(0), points.max(0)
         corners = {tuple(p) for p in points.tolist()}

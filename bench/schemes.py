@@ -1,14 +1,16 @@
 #!/usr/bin/python3
-"""Stability limits of the coupling schemes, by theory and measured: OUT/schemes.csv, and the table of docs/notebook/coupling.md.
+"""Computes and measures the longest stable window (time step of the coupling) for several coupling schemes. Writes OUT/schemes.csv and
+prints the table of docs/notebook/coupling.md.
 
-Theory: one mode of wave number kappa in a column that drains through its top, followed exchange by exchange as the solvers compute it
-(`window`), is a linear map of the values kept between two windows. The limit is the longest window for which none of the column's
-modes grows, nor a uniform relative velocity (kappa = 0).
+Theory: consider one mode of wave number kappa in a column that drains through its top. One window, as the solvers compute it (function
+`window`), is a linear map of the values kept between two windows. The limit is the longest window for which no mode of the column
+grows, nor a uniform relative velocity of the phases (kappa = 0).
 
-Measured: cases/terzaghi, 2 cm; windows are halved and doubled until the limit lies between two that differ by 10 %. Bounded: the
-pressure at the base in the run's second half is at most 1.2 times that in its first half, or 1.5 loads, and the windows then have
-that length (the water's own control shortens them where the pressure oscillates). `error`: of the degree of consolidation
-against the reference of consolidation.py, with windows of --accuracy.
+Measurement: cases/terzaghi at a spacing of 2 cm. Windows are halved and doubled until one that is stable and one that is not differ by
+10 %. A run counts as stable if it is bounded: in its second half the largest pressure at the base is at most 1.2 times that in its
+first half, or at most 1.5 times the load, and the windows have the prescribed length (the fluid solver shortens windows where the
+pressure oscillates). Columns `error`: error of the degree of consolidation against the reference of consolidation.py, with windows of
+--accuracy.
 """
 import argparse
 import functools
@@ -19,7 +21,7 @@ from consolidation import reference
 from plot import write_csv
 from runs import PROGRAM, Run
 
-HEIGHT, SPACING, LOAD, MODULUS, GAMMA = 0.4, 0.02, 1e3, 3e6 * 0.7 / (1.3 * 0.4), 9810.0  # m, m, Pa, Pa (constrained), N/m3
+HEIGHT, SPACING, LOAD, MODULUS, GAMMA = 0.4, 0.02, 1e3, 3e6 * 0.7 / (1.3 * 0.4), 9810.0  # m, m, Pa, Pa (constrained), N/m3 (water)
 POROSITY, GRAINS, WATER = 0.4, 2600.0, 1000.0  # 1, kg/m3, kg/m3
 N_S, SOIL = 1.0 - POROSITY, (1.0 - POROSITY) * GRAINS  # 1, kg/m3
 SUBSTEP = 0.8 * SPACING * np.sqrt(SOIL / MODULUS)  # s, substep of the soil
@@ -30,16 +32,19 @@ SCHEMES = {
     "parallel, plain": ["coupling.scheme=\"parallel\"", "fluid.skeleton_response=false"],
     "iterated, plain": ["coupling.scheme=\"iterated\"", "fluid.skeleton_response=false"],
 }
-KEPT = ["w", "owed", "u", "v", "ramped", "g", "s", "J", "mean", "returned"]  # values kept between two windows
+# Values kept between two windows. Water: velocity w, deferred impulse, pressure gradient g, prediction s of the soil's velocity, drag impulse J.
+# Soil: displacement u, velocity v, last pressure gradient, mean velocity, impulse returned to the water.
+KEPT = ["w", "owed", "u", "v", "ramped", "g", "s", "J", "mean", "returned"]
 
 
 def fluid(x, v, r, mean, dt, k, kappa, plain):
-    """The water's values after a window: its velocity w, deferred impulse and last prediction s, in x; v, r [N/m3] and mean: received from the soil."""
+    """The water's values after a window of dt [s]. x: all values before it, by name. Received from the soil: its velocity v, the force r on it
+    [N/m3] and its mean velocity."""
     C, aw = GAMMA * POROSITY**2 / k, POROSITY * WATER / dt
     owed = x["owed"] + x["returned"]
     taken = aw / (aw + C) * owed
     w = x["w"] - taken / (POROSITY * WATER)
-    if plain:  # the motion of the skeleton is taken as it was, and extrapolated explicitly
+    if plain:  # without prediction: the skeleton is taken to move as before
         new = -N_S / POROSITY * v if kappa else (aw * w + C * v) / (aw + C)
         g = -(aw * (new - w) + C * (new - v)) / POROSITY if kappa else 0.0
         J = dt * C * (new - v)
@@ -68,7 +73,7 @@ def soil(x, g, s, J, dt, k, kappa, scheme):
 
 
 def window(x, scheme, dt, k, kappa):
-    """The kept values after one more exchange; x: their present values by name."""
+    """The kept values after one more window of length dt [s]; x: their present values by name."""
     plain = scheme.endswith("plain")
     if scheme.startswith("parallel"):
         return {**fluid(x, x["v"], -MODULUS * kappa**2 * x["u"], x["mean"], dt, k, kappa, plain),
@@ -80,7 +85,7 @@ def window(x, scheme, dt, k, kappa):
 
     if scheme.startswith("serial"):
         return one_pass(x["v"], x["u"], x["mean"])
-    names, columns = ["v", "u", "mean"], []  # iterated: the output equals the input; the map is affine
+    names, columns = ["v", "u", "mean"], []  # iterated: a pass whose output equals its input; a pass is an affine map
     rest = np.array([one_pass(0.0, 0.0, 0.0)[name] for name in names])
     for unit in np.eye(3):
         columns.append(np.array([one_pass(*unit)[name] for name in names]) - rest)
@@ -97,7 +102,7 @@ def growth(scheme, dt, k, kappa):
 
 
 def limit_by_theory(scheme, k):
-    # The operators treat shorter waves as longer ones.
+    # Waves with kappa above 0.9 / SPACING are left out: the operators treat them as longer waves.
     modes = [0.0] + [kappa for kappa in (np.arange(HEIGHT / SPACING) + 0.5) * np.pi / HEIGHT if kappa < 0.9 / SPACING]
     stable = lambda dt: all(growth(scheme, dt, k, kappa) < 1.0 + 1e-7 for kappa in modes)  # momentum is conserved: 1 up to rounding
     times = np.geomspace(1e-7, 3e-2, 120)
@@ -128,7 +133,8 @@ def bounded(a, scheme, k, dt):
 
 
 def error(a, scheme, k, dt):
-    """Largest error of the degree of consolidation from Tv = 0.1 to 0.5; NaN where the run does not reach that."""
+    """Largest error of the degree of consolidation from Terzaghi's dimensionless time Tv = 0.1 to 0.5; NaN where the run does not end
+    well."""
     unit = HEIGHT**2 * GAMMA / (k * MODULUS)
     run = column(a, scheme, k, dt, 0.5 * unit)
     if run.exit != 0:
@@ -139,7 +145,7 @@ def error(a, scheme, k, dt):
 
 
 def limit_measured(a, scheme, k, guess):
-    """Longest window observed to be bounded, and the shortest that was not (inf: none up to --most)."""
+    """Longest window with which a run was bounded, and the shortest with which it was not (inf: all up to --most were bounded)."""
     holds = functools.cache(lambda dt: bounded(a, scheme, k, dt))
     dt = min(guess, a.most)
     while holds(dt):

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Finite volumes of seepage under a sheet pile: the reference of ThinWalls.WaterSeepsUnderAPile (tests/fluid).
+"""Computes seepage under a sheet pile by finite volumes: the reference of the test ThinWalls.WaterSeepsUnderAPile (tests/fluid).
 
-A layer of 2 m by 0.6 m on an impermeable base, between impermeable sides, heads of 0.9 and 0.7 m on its top, a pile from the top down to
-0.3 m. The heads are antisymmetric about the pile, so that one half is solved, with the mean head on the line below the pile's tip.
-Prints the discharge [m2/s] with 60, 120 and 240 rows and the limit to which their differences point.
+A layer of 2 m by 0.6 m lies on an impermeable base, between impermeable sides. On its top the head is 0.9 m on one side of the pile and
+0.7 m on the other. The pile reaches from the top down to 0.3 m above the base. Heads less their mean are antisymmetric about the pile,
+so that only one half is solved, with the mean head on the line below the pile's tip. Prints the discharge [m2/s] for several
+thicknesses of the pile, with 60, 120 and 240 rows of cells, and the limit to which the three values converge.
 """
 
 import numpy as np
@@ -14,7 +15,8 @@ WIDTH, HEIGHT, TIP, HEADS, CONDUCTIVITY = 2.0, 0.6, 0.3, 0.2, 1e-4  # m, m, m ab
 
 
 def discharge(thickness, rows):
-    """Discharge [m2/s], from half of the layer, in square cells; thickness [m] of the pile: a multiple of two cells."""
+    """Discharge [m2/s], from half of the layer, in square cells, `rows` over the height. thickness [m]: of the pile, an even number of
+    cells."""
     cell = HEIGHT / rows
     columns = round(0.5 * WIDTH / cell)
     behind, below = round(0.5 * thickness / cell), round(TIP / cell)
@@ -31,7 +33,7 @@ def discharge(thickness, rows):
     links = sparse.coo_matrix((one, (first, second)), (soil.sum(),) * 2)
     links = links + links.T
     top, middle = number[behind:, -1], number[0, :below]
-    held = np.zeros(soil.sum())  # half a cell from a prescribed head: twice the conductance
+    held = np.zeros(soil.sum())  # at half a cell from a prescribed head the conductance is twice that between cells
     held[top] += 2.0
     held[middle] += 2.0
     given = np.zeros(soil.sum())

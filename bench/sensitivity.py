@@ -1,14 +1,16 @@
 #!/usr/bin/python3
 """Halves and doubles constants of fluid_solver/numerics, pore_solver/numerics and solid_solver/numerics, and reports which tests then fail.
 
-    bench/sensitivity.py --list                              all constants
-    bench/sensitivity.py fluid.surface.hole solid.walls      a constant, or all of a header, with the tests that the headers name
-    bench/sensitivity.py --all --short                       all constants; those without a named test with their solver's short forms
+    bench/sensitivity.py --list                              prints all constants
+    bench/sensitivity.py fluid.surface.hole solid.walls      tries one constant and all constants of a header, each with the test that
+                                                             the header names
+    bench/sensitivity.py --all --short                       tries all constants; those without a named test with the short forms of
+                                                             the cases in which their solver takes part
 
-The value is changed in a scratch copy: a worktree of the last commit in a temporary folder with its own build, or
-the tree of --scratch, which is kept and whose existing build is used. The tests of a constant must pass there before it is
-changed. A constant whose change makes no test fail is not needed, or its test is missing.
-Results go to docs/notebook/sensitivity.md; its rows for other constants are kept.
+The values are changed in a scratch copy of the sources: a worktree of the last commit in a temporary folder with its own build, or the
+tree of --scratch, which is kept and whose existing build is used. The tests of a constant must pass there before the constant is
+changed. If no change of a constant makes a test fail, either the constant is not needed, or its test is missing.
+Results go to docs/notebook/sensitivity.md, which keeps its rows for other constants.
 Exit code: 0 each constant that was tried made a test fail, 1 some did not, 2 a test fails without any change.
 """
 import argparse
@@ -48,7 +50,7 @@ class Constant:
     type: str
     value: str
     unit: str
-    test: str  # as written in the header
+    test: str  # as the header names it
     reason: str
 
     @property
@@ -64,7 +66,7 @@ class Constant:
         return [] if self.test.startswith("none known") else [self.test.removesuffix(" (untried)")]
 
     def times(self, factor):
-        """The changed value as source text; None where the type has no such value."""
+        """The value times `factor` as source text; None where the type has no such value (half of the integer 1)."""
         if self.type == "double":
             return repr(float(self.value) * factor)
         changed = int(int(self.value) * factor)
@@ -112,7 +114,7 @@ class Scratch:
         return built.returncode == 0
 
     def program_of(self, test):
-        """The program that contains a test: those of the solvers, which are built for it."""
+        """The test program that contains this test; only the test programs of the solvers are searched."""
         suite, name = test.split(".")
         for solver in SOLVERS:
             for file in (self.root / "tests" / solver).glob("*_test.cpp"):
@@ -129,7 +131,7 @@ class Scratch:
         try:
             run = subprocess.run(command, cwd=self.build, capture_output=True, text=True, errors="replace", timeout=self.limit)
         except subprocess.TimeoutExpired:
-            return True  # a timeout counts as a failure: the run has changed
+            return True  # a test that takes longer than the limit counts as failed
         if "." in test and "Running 0 tests" in run.stdout:
             sys.exit(f"{test}: not run by {command[0].name}")
         return run.returncode != 0
@@ -167,7 +169,7 @@ def scratch_tree(given):
 
 
 def tried(scratch, constant, tests):
-    """The tests that failed: with the value halved, doubled."""
+    """The tests that failed with the value halved, and those that failed with it doubled; each as a text for the table."""
     cells = []
     for factor in (0.5, 2.0):
         value = constant.times(factor)
@@ -181,7 +183,7 @@ def tried(scratch, constant, tests):
 
 
 def write(rows):
-    """Writes the rows by constant; rows of the page for other constants are kept."""
+    """Writes the rows to the page, in the order of the constants; the page's rows for other constants are kept."""
     known = {}
     if PAGE.exists():
         for line in PAGE.read_text().splitlines():

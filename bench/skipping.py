@@ -1,11 +1,13 @@
 #!/usr/bin/python3
-"""Work saved by skipping, and the error that it makes: OUT/skipping.csv and a table on standard output.
+"""Measures the time that the solvers save by skipping work, and the error that skipping causes. Writes OUT/skipping.csv and
+prints a table.
 
-    bench/skipping.py                       every entry of skipping.toml
+    bench/skipping.py                       measures every entry of skipping.toml
     bench/skipping.py "dry soil" --repeats 5
 
-Each entry is run with skipping and with it switched off, in turns. CPU seconds are those of all processes, the median over the
-repeats. Errors are the differences of the named gauges over their scales, at the times of the run that skips.
+Each entry is run with skipping and with skipping switched off, alternately. CPU seconds are those of all processes, the median
+over the repeats. Errors are the differences of the named gauges between the two runs, divided by the gauges' scales, at the
+times of the run that skips.
 """
 import argparse
 import pathlib
@@ -23,7 +25,7 @@ ENTRIES = tomllib.loads((HERE / "skipping.toml").read_text())
 
 
 def run(program, case, addition, settings, folder):
-    """Makes one run of a case file with TOML added to it."""
+    """Makes one run of a case with these settings (--set); `addition` is appended to its case file."""
     text = (HERE.parent / "cases" / case / "case.toml").read_text()
     path = pathlib.Path(folder) / "case.toml"
     path.write_text(text + addition)
@@ -34,7 +36,7 @@ def run(program, case, addition, settings, folder):
 
 
 def series(done, name):
-    """{gauge: (times, values)} of the gauge with this name, or of its points `name[i]`."""
+    """{gauge: (times, values)} of the gauge with this name; for a gauge with several points, of each point `name[i]`."""
     found = {key: value for key, value in done.gauges.items() if key == name or key.startswith(f"{name}[")}
     if not found:
         raise SystemExit(f"no gauge '{name}'")
@@ -42,7 +44,8 @@ def series(done, name):
 
 
 def difference(skipped, computed, gauges, after):
-    """Differences of the gauges over their scales, for all points and times: root mean square, and largest."""
+    """Differences of the gauges between the two runs, over the gauges' scales: root mean square over all points and times, and
+    largest value. after [s]: earlier times are left out."""
     gaps = []
     for name, scale in gauges.items():
         pairs = [(value, series(computed, name)[key]) for key, value in series(skipped, name).items()]
@@ -50,7 +53,7 @@ def difference(skipped, computed, gauges, after):
         for (times, values), (others, reference) in pairs:
             chosen = (times >= after) & (times <= others[-1])
             gap = np.abs(values[chosen] - np.interp(times[chosen], others, reference)) / scale
-            gaps.append(gap[np.isfinite(gap)])  # times at which neither is dry
+            gaps.append(gap[np.isfinite(gap)])  # only times at which both runs have a value
     gaps = np.concatenate(gaps)
     return float(np.sqrt(np.mean(gaps**2))), float(gaps.max())
 

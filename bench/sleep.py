@@ -1,10 +1,12 @@
 #!/usr/bin/python3
-"""The error that sleeping soil makes, and the work it saves: sleep.csv and sleep.png beside this file.
+"""Measures the error that sleeping soil causes (soil whose steps are skipped while its forces hardly change), and the
+work that it saves. Writes sleep.csv and sleep.png beside this file.
 
-`slow`: seepage through the bed of cases/upward_seepage rises to 0.75 of the critical gradient in 20 s and falls back in
-20 s; the error is the largest one of the vertical effective stress at four depths, over its value at the base.
-`heave`: the seepage rises beyond the critical gradient; the error is that of the gradient at which the bed has risen by
-1 mm, relative to the run without sleep.
+Scene `slow`: seepage through the bed of cases/upward_seepage rises to 0.75 of the critical gradient in 20 s and falls
+back in 20 s. The error is the largest difference of the vertical effective stress at four depths from the run without
+sleep, over the stress at the base without flow.
+Scene `heave`: the seepage rises beyond the critical gradient. The error is that of the gradient at which the bed has
+risen by 1 mm, relative to the run without sleep.
 """
 import argparse
 import csv
@@ -20,13 +22,13 @@ SCENES = {
     "slow": ["case.end_time=42", f"pore_pressure.0.to_head=[[0, 1.2], [20, {1.2 + 0.75 * CRITICAL}], [40, 1.2]]"],
     "heave": ["case.end_time=44", f"pore_pressure.0.to_head=[[0, 1.2], [44, {1.2 + 1.1 * CRITICAL}]]"],
 }
-# (sleep_below, wake_above) [g], and whether quasi-static windows are damped
+# Keys of [solid.quiet]: sleep_below and wake_above, in units of gravity g, and damping (of quasi-static windows).
 SETTINGS = [(1e-4, 1e-3, True), (1e-3, 3e-3, True), (1e-3, 5e-3, True), (1e-3, 1e-2, True), (1e-3, 3e-2, True),
             (1e-3, 5e-3, False)]
 
 
 def run(program, overrides):
-    """Gauges of one run, and the solid's summary."""
+    """Makes one run; returns its gauges and the solid solver's summary."""
     done = Run("upward_seepage", overrides, program)
     if done.exit != 0:
         raise SystemExit(done.reason)

@@ -1,12 +1,13 @@
-"""Bishop's simplified method of slices (Bishop 1955), for the references of cases: balance of one circle, and a search over circles."""
+"""Bishop's simplified method of slices (Bishop 1955), for the references of cases: factor of safety of one slip circle, and a search over
+circles."""
 import numpy as np
 from scipy.optimize import minimize
 
 
 def factor(vertical, cohesion, friction, sine, driving):
-    """Factor of safety of one circle. Of each slice, per metre [N/m]: vertical, its weight less the force of the pore pressure on its base (a
-    base bears no tension: not below zero); cohesion, times its width; friction: tan(phi); sine: of the inclination of its base. driving [N/m]:
-    moment about the centre over the radius."""
+    """Factor of safety of one circle. Arrays over the slices: vertical [N/m]: weight less the force of the pore pressure on the base, not below
+    zero, since a base carries no tension; cohesion [N/m]: cohesion times the width; friction: tan(phi) with the angle of friction phi; sine: of
+    the inclination of the base. driving [N/m]: moment of the weight about the centre, over the radius."""
     cosine = np.sqrt(1.0 - sine**2)
     f = 1.5
     for _ in range(100):
@@ -18,12 +19,13 @@ def factor(vertical, cohesion, friction, sine, driving):
 
 
 def base_of(xc, yc, radius, x):
-    """Elevation of the circle's lower half [m]."""
+    """Elevation [m] of the lower half of the circle about (xc, yc) at x."""
     return yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0))
 
 
 def lowest(value, tried, **options):
-    """Lowest value(v) from a simplex on the best five of the v that are tried, and its v; infinite values count as large. options: of Nelder-Mead."""
+    """The lowest value(v) and its v, by the simplex method of Nelder and Mead, started from the best five of the vectors `tried`. Infinite values
+    count as large. options: of Nelder-Mead."""
     def of(v):
         found = value(v)
         return found if np.isfinite(found) else 1e9
@@ -33,8 +35,8 @@ def lowest(value, tried, **options):
 
 
 def lowest_between(top, length, ends, sagittas, of_circle):
-    """Lowest of_circle(centre, radius) over circles given by their ends, (upper, lower) [m], and their sagitta [m]; the ground, top(x), falls to
-    the right and ends at x = length."""
+    """Lowest of_circle(centre, radius) over circles. A circle is given by the x of its ends on the ground, (upper, lower) [m], and its sagitta [m].
+    The ground, top(x), falls to the right and ends at x = length."""
     def value(v):
         upper, lower, sag = v
         if not (0.0 < sag and 0.0 < upper < lower < length):
@@ -48,7 +50,7 @@ def lowest_between(top, length, ends, sagittas, of_circle):
 
 
 def read_frame(root, step):
-    """Points [m], pore pressure [Pa] and degree of saturation of a field in a frame of VTKHDF."""
+    """Points [m], pore pressure [Pa] and degree of saturation of pore water as a field, from frame `step` of a VTKHDF file."""
     first, count = int(root["Steps/PointOffsets"][step]), int(root["NumberOfPoints"][step])
     rows = slice(first, first + count)
     pressure, saturation = (root["PointData"][name][rows].astype(float) for name in ("pore_pressure", "degree_of_saturation"))

@@ -1,25 +1,30 @@
 #!/usr/bin/python3
-"""The range in which the coupling is stable: a table of runs over permeability, stiffness, porosity and exchange window, and its maps:
-OUT/stress.csv, stress_column.png, stress_plain.png, stress_scenes.png, and the table as Markdown.
+"""Measures the range in which the coupling is stable, by runs over permeability, stiffness, porosity and exchange window (time step of the
+coupling). Writes OUT/stress.csv and the maps stress_column.png, stress_plain.png and stress_scenes.png; prints a table as Markdown.
+
+Scenes:
 
     column  a saturated column under its weight, suddenly loaded by 1 kPa (cases/terzaghi with gravity), for each combination of
-            --conductivities, --moduli, --porosities and --factors (exchange window over the stability limit of plain
-            staggering, 1.2 rho_bar_s k / gamma_w), with --windows windows each
-    plain   the same at the middle porosity by plain staggering (fluid.skeleton_response = false)
-    front   water arrives on a dry column from above, and leaves it again
+            --conductivities, --moduli, --porosities and --factors, with --windows windows each. The factor is the exchange window over
+            the stability limit of plain staggering, 1.2 rho_bar_s k / gamma_w (docs/theory/symbols.md)
+    plain   the column at the middle porosity by plain staggering (fluid.skeleton_response = false)
+    front   water arrives on a dry column from above, and drains again
     block   a block of soil falls into water
 
 Verdicts:
 
-    bounded    The run ends by itself. Column: in the second half the plate has not moved by more than 1.5 times the drained
-               settlement (plus 1 % of the height); the excess pressure at the base never exceeds 3.5 times the load either way, and
-               in the second half neither 1.2 times its largest value in the first half nor 1.5 times the load. A run that misses
-               this is repeated with ten times as many windows, in which an instability goes on growing. Block and front: soil
-               moves no faster than it could fall; no water is lost or created
-    refused    before the first window, with the reason
-    unbounded, diverged, too slow (--longest)
+    bounded    The run ends by itself, and
+               column, plain: in the second half of the run the plate has not moved by more than 1.5 times the drained settlement (plus
+               1 % of the height); the size of the excess pressure at the base never exceeds 3.5 times the load, and in the second half
+               exceeds neither 1.5 times the load nor, if this is more, 1.2 times its largest value in the first half. A column that
+               misses this is repeated with ten times as many windows, in which an instability keeps growing;
+               block, front: the soil moves no faster than it could fall, and no water is lost or created.
+    unbounded  The run ends by itself, but not so.
+    refused    The run ends before its first window, with a reason.
+    diverged   The run gives up.
+    too slow   The run takes longer than --longest.
 
-`overshoot`: the largest excess pressure at the base over the load; 1 to 1.7 during a window or two after loading.
+Column `overshoot`: the largest excess pressure at the base over the load. During a window or two after loading 1 to 1.7 is normal.
 """
 import argparse
 import itertools
@@ -96,12 +101,12 @@ kind = "volume"
 
 
 def judge(row, run, complaints):
-    """Sets the verdict of a run. complaints: function that lists the missed bounds of a run that ended by itself."""
+    """Sets the verdict of a run in its table row. complaints: function that lists the missed bounds of a run that ended by itself."""
     row["cpu_s"] = round(run.cpu, 2)
     row["windows"] = int(run.summaries.get("coupler", {}).get("steps", {}).get("windows", 0))
     said = re.sub(r"\[[\d:]+\] | ?\(all of it: .*?\)|\S+/(?=case\.toml)", "", run.reason)  # without times and paths of this run
     row["why"] = " ".join(said.split())
-    if run.exit in (0, 6):  # 6: ended, with warnings that the result may be in doubt
+    if run.exit in (0, 6):  # 6: the run ended, with warnings that put its result in doubt
         row["why"] = "; ".join(complaints(run))
         row["verdict"] = "unbounded" if row["why"] else "bounded"
     else:
@@ -110,7 +115,7 @@ def judge(row, run, complaints):
 
 
 def within(run, name, low, high):
-    """Checks a gauge in the second half of the run."""
+    """Checks a gauge in the second half of the run; yields a text if a value is not within low .. high."""
     times, values = run.gauges[name]
     values = values[(times >= 0.5 * times[-1]) & ~np.isnan(values)]
     if len(values) and not (low <= values.min() and values.max() <= high):
@@ -165,7 +170,7 @@ def written(a, scene, text, soil, bounds):
 
 
 def front(a, k, E, n):
-    half = max(1, round(0.2 * n * HEIGHT / k))  # s, in which the front moves by a fifth of the way or more
+    half = max(1, round(0.2 * n * HEIGHT / k))  # s: time in which the front moves by at least a fifth of the column's height
     return written(a, "front", FRONT.format(k=k, E=E, n=n, half=half, later=1.1 * half, end=2 * half), (k, E, n),
                    {"speed": (0.0, 3.0), "water_error": (-1e-5, 1e-5)})
 
@@ -175,7 +180,7 @@ def block(a, k, E, n):
 
 
 SCENES = {"column": column, "plain": plain, "front": front, "block": block}
-# Known to be unbounded (docs/stability.md): shown, but not counted as a failure of the table.
+# Runs that are known to be unbounded (docs/stability.md): scene, k, E, n. They are shown, but do not change the exit code.
 MISSED = {("column", 0.1, 1e5, 0.2), ("block", 1e-3, 1e9, 0.2)}
 MARKS = {"bounded": ("tab:green", "o"), "refused": ("0.6", "s"), "unbounded": ("tab:orange", "D"), "diverged": ("tab:red", "X"),
          "too slow": ("tab:purple", "v")}
@@ -186,7 +191,7 @@ def named(key, value):
 
 
 def draw(path, rows, across, down, y, label):
-    """Draws one panel per value of `down` and of `across`, with k along the axis."""
+    """Draws one panel for each pair of values of the columns `down` and `across`, with k along the horizontal axis."""
     columns, lines = (sorted({row[key] for row in rows}) for key in (across, down))
     figure, panels = plt.subplots(len(lines), len(columns), figsize=(1.2 + 2.5 * len(columns), 0.8 + 2.3 * len(lines)), sharex=True, sharey=True,
                                   squeeze=False, constrained_layout=True)

@@ -1,16 +1,18 @@
 #!/usr/bin/python3
-"""Error against resolution and against run time, by scheme: OUT/CASE.csv, OUT/CASE.png and one page, OUT/performance.md.
+"""Measures the performance of poretwin: error against spacing and run time for several schemes, and speed of single parts.
 
-    poretwin bench                                      the whole page: jobs, kernels, sizes, solve, coupling, skipped,
-                                                        every study of studies.toml
-    poretwin bench --page                               the same, into docs/, replacing the present page
-    poretwin bench sizes                                one part anew; the page takes the others from OUT
-    poretwin bench rectangular_dam --schemes default    one case, one scheme
-    poretwin bench terzaghi --spacings 0.02 0.002
+    poretwin bench                                      measures everything: jobs, kernels, sizes, solve, coupling,
+                                                        skipped, every study of studies.toml
+    poretwin bench --page                               as above, and replaces the present page in docs/
+    poretwin bench sizes                                measures one part; the page takes the other parts from OUT
+    poretwin bench rectangular_dam --schemes default    measures one case with one scheme
+    poretwin bench terzaghi --spacings 0.02 0.002       measures one case with these spacings
 
-Errors are those of the case's own `verify`: every metric is in the CSV, one is drawn. Run time is CPU seconds of all
-processes, the median of --repeats runs; wall-clock seconds are beside it. Runs that are compared are measured in one session.
-A scheme's finer runs are left out once one has taken longer than --longest.
+Writes OUT/CASE.csv and OUT/CASE.png for each study, and one page, OUT/performance.md. OUT is the folder of --out.
+
+Errors are those that the case's own `verify` computes: the CSV contains every metric, the picture shows one. Run time is
+CPU seconds of all processes, the median of --repeats runs; the tables give wall-clock seconds, too. Runs that are
+compared are measured in one session. When a run of a scheme takes longer than --longest, the scheme's finer runs are left out.
 """
 import argparse
 import json
@@ -33,20 +35,27 @@ from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
-PUBLIC_PAIR_RATE = 202  # million directed pairs per CPU second, one at a time, where the public codes were timed
+# Speed of the plainest loop over pairs, one pair at a time, on the machine on which the public codes were timed: million
+# directed pairs per CPU second (each pair counts once for each of its two particles).
+PUBLIC_PAIR_RATE = 202
 HEAD = """# Performance
 
-Made by `poretwin bench`, {cores} cores; docs/notebook/performance.md says why it is so and what was tried. Studies: the error of each case's own
-`verify`, CPU and wall-clock seconds of all processes; `*`: no other run of the case has a smaller error in less time; a dash: the run did not
-end. A scheme's finer runs are missing once one has taken longer than a minute. Schemes: `default`, the code without settings; `EISPH`, explicit
-sweeps for the pressure (`fluid.scheme = "eisph"`); `paper`, the scheme of Bui & Nguyen (2017) as far as it is built (`case.scheme = "paper"`,
-[theory](theory/paper.md#scheme--paper)); others change the setting that they name. Where `default` bears the `*` it is the knee of the curves: a
-tighter tolerance or a finer run costs more than its smaller error is worth.
+This page is made by `poretwin bench`, on {cores} cores. docs/notebook/performance.md explains the figures and says what was
+tried. A *window* is one time step of the coupling or, where the fluid solver runs alone, of that solver; "asked" is the
+bound.
+
+The studies, from hydrostatic_tank on, give the error that the case's own `verify` computes, and the CPU and wall-clock
+seconds of all processes. `*`: no other run of the case has a smaller error in less CPU time. A dash: the run did not
+end. When a run of a scheme takes longer than a minute, the scheme's finer runs are left out. Schemes: `default`, the
+code without settings; `EISPH`, explicit sweeps for the pressure (`fluid.scheme = "eisph"`); `paper`, the scheme of Bui
+& Nguyen (2017) as far as it is built (`case.scheme = "paper"`, [theory](theory/paper.md#scheme--paper)). Other schemes
+change the setting that they name. Where `default` bears the `*`, a tighter tolerance or a finer run costs more than its
+smaller error is worth.
 """
 
 
 def verified(program, case, study, settings, longest):
-    """The verdict of one run of `verify`; None where it took too long or did not end well."""
+    """The result of one run of `verify`; None where the run took longer than `longest` seconds."""
     with tempfile.TemporaryDirectory() as folder:
         result = pathlib.Path(folder) / "result.json"
         command = [program, "verify", case, "--json", result, "--out", folder]
@@ -85,21 +94,22 @@ def measured(a, case, study, scheme, spacing):
 
 
 def is_front(row, rows):
-    """Whether no other run has a smaller error in less time."""
+    """Whether no other run has a smaller error in less CPU time."""
     return row["error"] is not None and not any(
         other["error"] is not None and other["error"] < row["error"] and other["cpu_s"] < row["cpu_s"]
         for other in rows)
 
 
 def job_table(a, jobs):
-    """Seconds of whole runs beside their bounds, the median of --repeats: the time that a user waits."""
+    """Run times of whole runs, the time that a user waits, beside their bounds: medians over --repeats runs."""
     rows = []
     pace = pair_rate(a.program)
-    carried_to = ("Column \"carried\": the CPU seconds converted to the machine on which the public codes were timed (the bounds refer to those). "
-                  f"A loop over a pair list, one pair at a time, does {PUBLIC_PAIR_RATE} million pairs a CPU second there; the same loop did "
-                  f"{pace:.0f} here, just before these runs."
-                  if pace else "CPU seconds are not converted to another machine: pair loops are not built (`ninja pair_loops`).")
-    lines = ["", "## Jobs", "", f"Whole runs, all processes; threads of each solver. {carried_to}", "",
+    carried_to = ("The column \"carried\" gives the CPU seconds converted to that\nmachine: a loop over a list of pairs of particles, one pair at a time, "
+                  f"computes {PUBLIC_PAIR_RATE} million pairs per CPU second there;\nthe same loop computed "
+                  f"{pace:.0f} million here, just before these runs."
+                  if pace else "CPU seconds are not converted to that\nmachine: the loop that compares the two machines is not built (`ninja pair_loops`).")
+    lines = ["", "## Jobs", "", "CPU seconds are those of all processes in a whole run; the column \"threads\" gives the threads of each solver. The bounds\n"
+             f"refer to the machine on which the public codes were timed. {carried_to}", "",
              "| job | particles | steps or windows | threads | million particle-steps/s | CPU s | carried | wall s | asked |",
              "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for name, job in jobs.items():
@@ -123,19 +133,19 @@ def job_table(a, jobs):
 
 
 def printed_by(program, name):
-    """Output of the benchmark of one kernel; None where it has not been built beside the program."""
+    """Output of the benchmark with this name, which measures one kernel; None where it has not been built beside the program."""
     path = pathlib.Path(program).resolve().parent / name
     return subprocess.run([path], capture_output=True, text=True, check=True).stdout if path.exists() else None
 
 
 def pair_rate(program):
-    """Million directed pairs per CPU second of the plainest pair loop; None where it has not been built."""
+    """Speed of the plainest loop over pairs, in million directed pairs per CPU second; None where the benchmark has not been built."""
     text = printed_by(program, "pair_loops")
     return text and float(next(line for line in text.splitlines() if "one pair at a time" in line).split("|")[2])
 
 
 def told_by(program, name, title):
-    """The section that the benchmark of one kernel prints; a note where it has not been built beside the program."""
+    """The page's section with the output of one kernel's benchmark, and its rows; a note where the benchmark has not been built."""
     text = printed_by(program, name)
     if text is None:
         return ["", f"## {title}", "", f"(build it first: `ninja {name}`)"], []
@@ -153,27 +163,34 @@ def size_table(a):
     rows = scaling.measure_all(a.program, scaling.PHASES, a.sizes, a.threads)
     write_csv(a.out / "scaling.csv", rows)
     scaling.draw(a.out / "scaling.png", rows)
-    return ["", "## Size", "", "Cost of a step without the start, memory without that of a small run (bench/scaling.py).", "",
+    return ["", "## Size", "", "CPU time per particle and step, without the time to start; memory of the solver per particle, without the memory of a\n"
+            "run with 1000 particles (bench/scaling.py). \"Of the first thread\" is the CPU time of the thread that also does all\n"
+            "serial work. \"All threads over the first\" divides the CPU time of all threads by it: the speed-up on a machine where\n"
+            "every thread has a core of its own. \"Speed-up by wall\" is the speed-up of the wall-clock time, which other load on the\n"
+            "machine reduces. Iterations are those of the pressure solve per window.", "",
             "![](bench/scaling.png)", "", *scaling.table(rows)], rows
 
 
 def coupling_table(a):
     rows = overhead.measure_all(a.program, a.repeats)
     write_csv(a.out / "overhead.csv", rows)
-    return ["", "## Coupling", "", "Overhead: mapping, sending and time in which no process works, over the whole time; over the critical path: the whole time over "
-            "the time in which some process works (bench/overhead.py). Bounds: overhead 25 % on 3000 particles and 15 % on embankment_failure, "
+    return ["", "## Coupling", "", "Every instant of a run counts for one activity; \"nobody\" means that no process works. Overhead is the time of mapping,\n"
+            "of sending and of \"nobody\", divided by the whole time. \"Over the critical path\" is the whole time divided by the time in\n"
+            "which some process works (bench/overhead.py). Bounds: overhead 25 % for 3000 particles and 15 % for embankment_failure;\n"
             "1.15 over the critical path.", "", *overhead.table(rows)], rows
 
 
 def skipping_table(a):
     rows = skipping.measure_all(a.program, a.repeats)
     write_csv(a.out / "skipping.csv", rows)
-    return ["", "## Skipped work", "", "What is not computed, and what it costs and changes to compute it (bench/skipping.py).", "",
+    return ["", "## Skipped work", "", "Work that the solvers skip. The column \"computed\" gives the CPU seconds of the same run with this work done. The errors\n"
+            "are the differences that skipping makes in the case's gauges, divided by the gauges' scales (bench/skipping.py).", "",
             *skipping.table(rows)], rows
 
 
 def order(row, rows):
-    """Observed order of convergence from the next coarser spacing of the same scheme to this one; empty where there is none."""
+    """Observed order of convergence from the next coarser spacing of the same scheme to this row's; empty where the scheme has no
+    coarser run, or an error is missing."""
     coarser = [other for other in rows if other["scheme"] == row["scheme"] and other["spacing"] > row["spacing"]]
     if not coarser or not row["error"] or not coarser[-1]["error"]:
         return ""
@@ -182,7 +199,7 @@ def order(row, rows):
 
 
 def study_table(case, study, rows):
-    """Markdown of a study; `*` marks runs for which no other run has both a smaller error and less time."""
+    """Markdown of a study; `*` marks runs for which no other run has both a smaller error and less CPU time."""
     axis = "exchange interval [s]" if study["spacing"].startswith("coupling") else "spacing [m]"
     lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g}).", "", f"![](bench/{case}.png)", "",
              f"| scheme | {axis} | error | order | CPU s | wall s | windows | particles | |",
@@ -195,7 +212,7 @@ def study_table(case, study, rows):
 
 
 def measure_study(a, case, study):
-    """Measures all schemes and spacings of a study; returns the lines of the page and the rows, and writes these as CSV and picture."""
+    """Measures all schemes and spacings of a study. Returns the lines of the page and the rows; writes the rows as CSV and picture."""
     rows = []
     for scheme in a.schemes or study["schemes"]:
         if scheme not in study["schemes"]:

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Makes docs/validation.md from the runs themselves: for each case the reference, the table of errors, particles, windows and run time, and
-pictures of the main cases.
+"""Makes docs/validation.md by running the cases. The page gives for each case the reference, the table of errors, the numbers of particles and
+windows and the run time; for the main cases also pictures.
 
-bench/validation.py                 every case, in the short form of its verify.toml
-bench/validation.py --full          every case in full (hours)
-bench/validation.py [--full] CASE.. these cases anew; results of the others are kept (runs/validation)
-bench/validation.py --page          the page alone, from kept results
+bench/validation.py                 runs every case, in the short form of its verify.toml
+bench/validation.py --full          runs every case in full (takes hours)
+bench/validation.py [--full] CASE.. runs these cases; results of the others are kept (runs/validation)
+bench/validation.py --page          runs nothing; writes the page from kept results
 """
 import argparse
 import json

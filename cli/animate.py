@@ -1,6 +1,6 @@
-"""All frames of a run as a GIF or as a video: `poretwin plot RUN --animate FILE`.
+"""Draws all frames of a run as a GIF or as a video: `poretwin plot RUN --animate FILE`.
 
-GIF: python3-pil, which python3-matplotlib brings along. MP4: the program ffmpeg.
+A GIF needs the Debian package python3-pil, which python3-matplotlib depends on. An MP4 needs the program ffmpeg.
 """
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ import style
 from style import plt
 
 RATE = 10  # frames a second
-MOST_FRAMES = 200  # 20 s; from longer runs frames are selected evenly
+MOST_FRAMES = 200  # 20 s; of runs with more frames, this number is selected evenly
 PIXELS = 900  # along the longer side of the particles' picture
 DPI = 110
 RARE = 0.005  # fraction of the values that may lie outside the range of colours
@@ -73,7 +73,7 @@ def write_gif(path, pictures):
     except ImportError:
         raise SystemExit("a GIF needs the package python3-pil") from None
     images = [Image.fromarray(picture) for picture in pictures]
-    # One palette for all frames, from a few of them side by side, so that colours do not flicker.
+    # One palette serves all frames, so that colours do not flicker. It is made from a few frames, placed side by side.
     some = [images[k] for k in np.unique(np.linspace(0, len(images) - 1, 8).round().astype(int))]
     strip = Image.new("RGB", (images[0].width, images[0].height * len(some)))
     for k, image in enumerate(some):

@@ -1,15 +1,15 @@
-"""Pictures of bodies of particles: every pixel has the colour of the nearest particle."""
+"""Draws bodies of particles: every pixel gets the colour of the nearest particle."""
 import numpy as np
 
 
 def spacing(x):
-    """Distance between neighbours inside a body [m], from the number of particles within a few such distances. x: positions [n, 2 or 3]."""
+    """Distance between neighbours inside a body [m], from the number of particles within a few such distances. x [m]: positions [n, 2 or 3]."""
     n, dimensions = x.shape
     if n < 2:
         return 1.0
     chosen = np.random.default_rng(0).choice(n, min(n, int(np.clip(4e6 / n, 20, 200))), replace=False)
     near = [np.sqrt(np.partition(((x - x[i]) ** 2).sum(axis=1), 1)[1]) for i in chosen]
-    reach = 4.69 * float(np.median(near))  # a circle of this radius holds 69 points of a lattice
+    reach = 4.69 * float(np.median(near))  # a circle of this radius contains 69 points of a lattice
     if reach == 0.0:
         return 1.0
     volume = np.pi * reach**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * reach**3
@@ -18,12 +18,13 @@ def spacing(x):
     return float(np.quantile(own, 0.25))  # particles near a surface count fewer neighbours
 
 
-SURFACE = 0.7  # cover (Canvas.smooth) at which the outline of a body is drawn
-BODY = 0.75  # radius of the disc that a particle covers, over its size; slightly more than half a diagonal
+SURFACE = 0.7  # value of the cover (Canvas.smooth) at which the outline of a body is drawn
+BODY = 0.75  # radius of the disc that a particle covers, over its size; slightly more than half the diagonal of its square
 
 
 class Canvas:
-    """A grid of pixels over a section of the plane. dx: distance of the particles, which sets the pixels' size; most: pixels along the longer side."""
+    """A grid of pixels over a section of the plane. dx: distance between particles, which determines the size of a pixel; most: largest number of
+    pixels along the longer side."""
 
     def __init__(self, lower, upper, dx, most=1800):
         size = np.asarray(upper) - np.asarray(lower)
@@ -33,8 +34,9 @@ class Canvas:
         self.extent = (lower[0], lower[0] + self.shape[1] * self.pixel, lower[1], lower[1] + self.shape[0] * self.pixel)
 
     def nearest(self, x, size, reach):
-        """The index of the particle nearest to each pixel [rows, columns], -1 where none is within `reach` times its size; and its distance in
-        units of its size. x: positions [n, 2]; size: [n] edge lengths of the squares that the particles represent."""
+        """For each pixel [rows, columns] the index of the nearest particle, and the pixel's distance from it in units of the particle's size. A
+        particle counts only within `reach` times its size; -1: no particle. x: positions [n, 2]; size [n]: edge lengths of the squares that the
+        particles represent."""
         found = np.full(self.shape, -1)
         best = np.ones(self.shape)  # squared distance over squared reach
         far = reach * np.asarray(size) / self.pixel
@@ -47,7 +49,7 @@ class Canvas:
         return found, reach * np.sqrt(best)
 
     def search_by_offsets(self, at, far, most, found, best):
-        """Nearest particles by a loop over the offsets of pixels within reach; each offset is treated for all particles at once."""
+        """Nearest particles by a loop over the offsets of pixels within reach; each offset is treated for all particles in one operation."""
         home = np.rint(at).astype(int)
         for row in range(-most, most + 1):
             for column in range(-most, most + 1):
@@ -74,8 +76,8 @@ class Canvas:
             near[nearer], index[nearer] = distance[nearer], k
 
     def smooth(self, inside, size):
-        """The cover of each pixel: the mask `inside` averaged over about a spacing. 1 well inside a body, 0 outside, SURFACE at half a spacing
-        from the outermost particle."""
+        """The cover of each pixel: the mask `inside`, averaged over about a spacing. It is 1 well inside a body, 0 outside, SURFACE at half a
+        spacing from the outermost particle."""
         inside = inside.astype(float)
         width = max(1, int(round(0.35 * float(np.median(size)) / self.pixel)))
         for axis in (0, 1, 0, 1):
@@ -90,7 +92,7 @@ class Canvas:
         return self.smooth(self.nearest(x, size, BODY)[0] >= 0, size)
 
     def fill(self, x, values, size):
-        """For each pixel the value of the nearest particle, NaN outside the particles' body; and the body's cover."""
+        """For each pixel the value of the nearest particle (NaN outside the particles' body), and the body's cover."""
         near, distance = self.nearest(x, size, 1.5)
         cover = self.smooth((near >= 0) & (distance < BODY), size)
         return np.where((cover > SURFACE) & (near >= 0), np.asarray(values, dtype=float)[near] if len(x) else np.nan, np.nan), cover

@@ -17,7 +17,7 @@
 namespace poretwin::cli {
 namespace {
 
-constexpr double standard_gravity = 9.81;  // m/s2, with which conductivities are defined
+constexpr double standard_gravity = 9.81;  // m/s2; a conductivity in m/s is defined with this gravity
 
 template <int D>
 ParticleCount count(const Case& scene) {
@@ -41,7 +41,7 @@ std::vector<Limit> limits(const Case& scene) {
   std::vector<Limit> result;
   if (scene.is_field()) {
     if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});
-    return result;  // the steps of a field follow from their error
+    return result;  // a field of pore water chooses its time steps by their error
   }
   const double gravity = scene.general.gravity.norm();
   if (gravity > 0.0 && scene.has_water())
@@ -61,8 +61,8 @@ std::vector<Limit> limits(const Case& scene) {
                       "elastic wave across one particle" + where +
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
     if (!scene.coupled() || !scene.fluid.drag) continue;
-    // Stability of the exchange where nothing predicts the skeleton's response (docs/theory/coupling.md, "Other
-    // schemes").
+    // Stability limit of the exchange with a fluid that does not predict the skeleton's response
+    // (docs/theory/coupling.md, "Other schemes").
     const bool parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
     const double n_s = 1.0 - soil.porosity;
     const double b = n_s * n_s * scene.water.density / (soil.porosity * density);
@@ -106,7 +106,7 @@ ParticleCount count_particles(const Case& scene) {
 CheckReport report_of(const Case& scene) {
   CheckReport report;
   report.amounts = estimate(scene);
-  // Above this number particles are estimated, not made and counted, which would take too long.
+  // Above this number the particles are only estimated, since making and counting them would take too long.
   constexpr double many = 2e6;
   const Amounts& amounts = report.amounts;
   report.estimated = amounts.fluid + amounts.solid > many;

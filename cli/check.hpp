@@ -16,10 +16,10 @@ struct ParticleCount {
 };
 ParticleCount count_particles(const Case& scene);
 
-/// Throws CaseError when the case needs more memory than this machine has, by estimate.
+/// Throws CaseError when the estimated memory of the case exceeds the memory of this machine.
 void expect_memory(const Case& scene);
 
-/// The longest stable window that one cause allows.
+/// The longest stable window by one criterion.
 struct Limit {
   double seconds;
   std::string what;
@@ -28,12 +28,12 @@ struct Limit {
 struct CheckReport {
   Amounts amounts;
   ParticleCount particles;
-  bool estimated = false;        ///< whether the particles are estimated, being too many to be made and counted
+  bool estimated = false;        ///< whether the numbers of particles are estimated, not counted
   std::vector<Limit> intervals;  ///< shortest first
 };
 CheckReport report_of(const Case& scene);
 
-/// Text with the particles, their spacing, the stable intervals and what limits them, and the memory.
+/// Text with the particles, their spacing, the longest stable windows with their criteria, and the memory.
 std::string check_text(const Case& scene, const CheckReport& report);
 nlohmann::ordered_json check_json(const Case& scene, const CheckReport& report);
 

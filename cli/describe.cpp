@@ -21,13 +21,13 @@ namespace {
 
 using coupling::DeclaredArgument;
 
-/// A program or a command of it, as man pages and completions show it.
+/// A program or one of its commands, as man pages and completions show it.
 struct Described {
   std::string path;  ///< "run", "peer mock"; empty for the program itself
   std::string about, footer;
   std::vector<std::string> positional;  ///< "CASE"
   std::vector<DeclaredArgument> arguments;
-  std::vector<std::vector<std::string>> choices;              ///< for each argument, the words it accepts; empty: any
+  std::vector<std::vector<std::string>> choices;              ///< the words that each argument accepts; empty: any word
   std::vector<std::pair<std::string, std::string>> commands;  ///< sub-commands: name and description
 };
 
@@ -54,13 +54,13 @@ void describe_app(const CLI::App& app, const std::string& path, std::vector<Desc
   Described d;
   d.path = path;
   d.about = app.get_description();
-  // Commands pass their footer on to their sub-commands; it is shown only once.
+  // Sub-commands inherit the footer of their command; it is shown only once.
   if (app.get_parent() != nullptr && app.get_footer() != app.get_parent()->get_footer()) d.footer = app.get_footer();
   for (const CLI::Option* option : app.get_options()) {
     const bool takes = option->get_items_expected_max() > 0;
     const auto choices = choices_of(option->get_type_name());
     std::string value = takes ? (choices.empty() ? option->get_type_name() : joined(choices, "|")) : "";
-    value = value.substr(0, value.find(':'));  // without the bounds
+    value = value.substr(0, value.find(':'));  // removes the bounds of the value
     if (option->get_items_expected_max() > 1 && takes && option->get_expected_max() > 1 && !option->get_positional() &&
         option->get_name() != "--set")
       value += "...";
@@ -305,7 +305,7 @@ std::string fish_completion(const DescribedProgram& program) {
     return out + "'";
   };
   for (const auto& d : program.commands) {
-    // Fish tests which words have been typed; a sub-command needs its command's word, too.
+    // Fish tests which words have been typed; for a sub-command the word of its command must have been typed, too.
     std::string condition;
     std::stringstream path(d.path);
     for (std::string word; path >> word;)

@@ -6,7 +6,7 @@
 
 namespace poretwin::cli {
 
-/// Declares the hidden command `describe WHAT`, which prints one of the files: poretwin.1, poretwin-fluid.bash, ..
+/// Declares the hidden command `describe WHAT`, which prints the file WHAT: poretwin.1, poretwin-fluid.bash, ..
 void declare_describe(CLI::App& app, std::function<int()>& action);
 
 }  // namespace poretwin::cli

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Picture of a laboratory test: stress and volume against strain, and the stress path.
+"""Draws a laboratory test on a soil: stress and volume against strain, and the stress path.
 
 Called by `poretwin element`; needs the Debian packages python3-numpy and python3-matplotlib.
 """
@@ -12,7 +12,8 @@ from style import plt
 
 
 def draw(table, test, target):
-    """Four panels: stress, volume or pore pressure against strain; the path in p and q; compression against log p."""
+    """Draws four panels into `target`: stress against strain; the path of the mean effective pressure p and the deviator q; volumetric
+    strain (undrained: excess pore pressure) against strain; void ratio against p."""
     shears = test.startswith("simple_shear")
     strain = table["shear_strain" if shears else "axial_strain"]
     stress = table["stress_xy_Pa" if shears else "q_Pa"]

@@ -1,4 +1,4 @@
-"""The figures of a case, as its verify.toml declares them ([[figure]]), from the runs that `poretwin verify CASE` has made. Used by
+"""Draws the figures that the verify.toml of a case declares ([[figure]]), from the runs that `poretwin verify CASE` has made. Used by
 `poretwin plot FOLDER-OF-THE-RUNS` and by the report of `poretwin verify --report`.
 """
 import pathlib
@@ -13,7 +13,7 @@ from cells import SURFACE, Canvas
 from style import plt
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "view"))
-import references  # noqa: E402  (what gauges should read)
+import references  # noqa: E402  (reference values of gauges)
 
 
 def read_toml(path):
@@ -33,7 +33,7 @@ def runs_below(folder):
 
 
 def is_verification(folder):
-    """Whether a folder contains the runs of one case, and is not itself a run."""
+    """Whether a folder contains runs, and is not itself the folder of a run."""
     return not (folder / "run.toml").exists() and not any(folder.glob("*.vtkhdf")) and bool(runs_below(folder))
 
 
@@ -95,7 +95,7 @@ class Figures:
         return rows[:, [heading.index("x_m"), heading.index("y_m")]] if len(rows) else None
 
     def draw(self, f, target):
-        """Draws one figure; raises Missing."""
+        """Draws one figure. Raises Missing where results that it needs are missing."""
         figure = getattr(self, f["kind"])(f)
         if f.get("title"):
             figure.suptitle(f["title"], fontsize=9)
@@ -140,7 +140,7 @@ class Figures:
 
     def outlines(self, f):
         names = f.get("runs") or [self.verify["run"][0]["name"]]
-        lines = []  # for the water: label, body
+        lines = []  # for each outline of the water: label, time, body
         for k, name in enumerate(names):
             frames = self.frames(self.folder(name), "fluid")
             for time in f["times"] if len(names) == 1 and "times" in f else [frames.times[-1]]:

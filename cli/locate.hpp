@@ -25,7 +25,7 @@ std::vector<std::string> case_names(const std::string& with_file);
 std::filesystem::path program_folder();
 
 /// Folder of the data installed with the program: cases/, and Python scripts in cli/ and bench/, as in the source tree.
-/// It is ../share/poretwin of the program's folder; in a build, a link to the source tree. Throws FileError.
+/// It is ../share/poretwin relative to the program's folder; in a build, a link to the source tree. Throws FileError.
 std::filesystem::path data_folder();
 
 /// Folder in which the page of `poretwin view` is built: in a build beside the programs, else in the user's cache

@@ -152,7 +152,7 @@ bool needs_relative_error(const std::string& op) {
          op == "crossing" || op == "largest";
 }
 
-/// Reading at time t, linear between readings; NaN before the first and after the last, and beside a NaN.
+/// Reading at time t, interpolated linearly; NaN outside the times of the readings, and beside a reading that is NaN.
 double reading(const GaugeSeries& series, double t) {
   const auto& times = series.time;
   if (times.empty()) return nan;
@@ -167,7 +167,7 @@ double reading(const GaugeSeries& series, double t) {
   return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
 }
 
-/// Splits KEY=NUMBER of `vary`; nothing where the text has another form.
+/// Splits the text KEY=NUMBER of `vary`; empty where the text has another form.
 std::optional<std::pair<std::string, double>> assignment(const std::string& text) {
   const auto sign = text.find('=');
   if (sign == std::string::npos || sign == 0) return std::nullopt;
@@ -291,7 +291,7 @@ class Judge {
       }
     if (part.time.empty()) throw Failure{fmt::format("no readings of gauge '{}' in the range", m_.gauge)};
     auto lost = std::find_if(part.value.begin(), part.value.end(), [](double x) { return !std::isfinite(x); });
-    // The time of a first crossing does not depend on later readings.
+    // A first crossing does not depend on later readings: those from the first NaN on are dropped.
     if (m_.op == "crossing") {
       part.value.erase(lost, part.value.end());
       part.time.resize(part.value.size());
@@ -308,7 +308,7 @@ class Judge {
     return x;
   }
 
-  /// Mean over time of the readings, taken as linear between them.
+  /// Mean of the readings over time, with linear interpolation between them.
   [[nodiscard]] double mean() const {
     const auto series = within_range(readings());
     double sum = 0.0;
@@ -362,8 +362,8 @@ class Judge {
     if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("too few readings of gauge '{}' for a rate", m_.gauge)};
     return (n * sty - st * sy) / spread;
   }
-  /// Damping rate of an oscillation about `limit`, from the largest distances from it in each complete swing between
-  /// two crossings.
+  /// Damping rate of an oscillation about `limit`, from its amplitudes: the largest distance from `limit` in each
+  /// complete swing between two crossings of `limit`.
   [[nodiscard]] double damping() const {
     const auto series = within_range(readings());
     const auto distance = [&](std::size_t i) { return series.value[i] - limit(); };
@@ -375,7 +375,7 @@ class Judge {
         std::size_t top = first;
         for (std::size_t j = first; j < i; ++j)
           if (std::abs(distance(j)) > std::abs(distance(top))) top = j;
-        // The largest distance is that of a parabola through the largest reading and its neighbours.
+        // The amplitude is the maximum of the parabola through the largest reading of the swing and its two neighbours.
         const double a = std::abs(distance(top - 1)), b = std::abs(distance(top)), c = std::abs(distance(top + 1));
         const double bend = a - 2.0 * b + c;
         const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // offset of the parabola's top, in readings
@@ -396,7 +396,7 @@ class Judge {
   [[nodiscard]] double moving_away() const {
     const auto series = within_range(readings());
     double away = 0.0, steps = 0.0;
-    // Rounding errors about the limit do not count as movement.
+    // Rounding errors about the limit do not count as movement away from it.
     const double slack = 1e-9 * std::abs(series.value.front() - limit());
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       steps += 1.0;
@@ -459,8 +459,8 @@ class Judge {
     throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
   }
   /// Mean period, from the first upward crossing of `limit` to the last. A swing counts only if it reaches below the
-  /// limit by a fifth of the largest distance in it and in the swing before: small fluctuations about the limit cross
-  /// it more often.
+  /// limit by a fifth of the largest distance from it in this swing and the swing before: small fluctuations about the
+  /// limit cause further crossings.
   [[nodiscard]] double period() const {
     constexpr double least = 0.2;
     const auto series = within_range(readings());
@@ -499,7 +499,7 @@ class Judge {
   }
   /// Time by which the readings lag behind the curve [s].
   [[nodiscard]] double shift() const { return m_.align ? start_of(readings()) - start_of(curve_as_readings()) : 0.0; }
-  /// The compared points of the curve, at the times of the readings.
+  /// The points of the curve that are compared, with their times delayed by shift().
   [[nodiscard]] std::vector<std::pair<double, double>> judged_knots() const {
     const double later = shift();
     std::vector<std::pair<double, double>> knots;

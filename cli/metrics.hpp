@@ -41,24 +41,24 @@ struct Figure {
 
 struct VerifyFile {
   std::string source;
-  std::optional<double> wall;  ///< s of wall-clock time, largest for all runs together
+  std::optional<double> wall;  ///< largest wall-clock time of all runs together [s]
   std::vector<VerifyRun> runs;
   std::vector<Metric> metrics;
   std::vector<Figure> figures;
 };
 
-/// A point that a gauge should reach, for pictures: in the gauge's unit, with the errors that the metric's tolerance
-/// allows.
+/// A point that a gauge should reach, drawn in pictures: time and value in the gauge's unit, with the errors that the
+/// metric's tolerance allows.
 struct Mark {
   std::string gauge;
   double time = 0.0, value = 0.0, time_error = 0.0, value_error = 0.0;
 };
 
-/// Result of a metric. NaN never passes.
+/// Result of a metric. A value that is NaN never passes.
 struct Verdict {
   double value = 0.0, reference = 0.0, error = 0.0;
   bool passed = false;
-  std::string complaint;  ///< why there is no value, or why it does not count
+  std::string complaint;  ///< why there is no value, or why the value does not count
   double spread = 0.0;    ///< standard deviation over several histories
   std::size_t histories = 1;
   std::vector<Mark> marks;  ///< times and values that readings should have, where the operation gives them
@@ -80,8 +80,8 @@ Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const
 /// gives their standard deviation. If one history has no value, the verdict has none.
 Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories);
 
-/// Overrides for history `number` of a run. None for history 0. For the others, particles are displaced at random by a
-/// millionth of a spacing, with the number as seed, and the values listed in `vary` are changed by up to the variation.
+/// The overrides of the case in history `number` of a run. History 0 has none. In others particles are displaced at
+/// random by a millionth of a spacing, with `number` as seed, and values in `vary` change by up to the variation.
 std::vector<std::string> history(const VerifyRun& run, const Case& scene, std::size_t number);
 
 /// Observed order of convergence of `decay_rate` from a coarse run to a fine one with half its spacing.

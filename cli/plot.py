@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pictures of a run: fields of either phase at given times, gauges against time with their references; animations.
+"""Draws a run: fields of either phase at given times, gauges against time with their references, animations.
 
 Called by `poretwin plot RUN ...`; needs the Debian packages python3-h5py, python3-numpy, python3-matplotlib.
 """
@@ -23,14 +23,14 @@ MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
 }
-AT_REST = 1e-6  # s, shorter than any time that is shown
-LEAST_STRAIN = 1e-3  # smallest plastic strain shown; its scale is logarithmic
+AT_REST = 1e-6  # s: times above zero and below this one are not shown (Shown.title)
+LEAST_STRAIN = 1e-3  # smallest plastic strain on the colour bar, whose scale is logarithmic
 STRAINS = ("accumulated_plastic_strain", "failing_strain")
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 
 
 class Frames:
-    """The file of one phase; a step's rows are found through the offsets, as VTKHDF readers do."""
+    """The frames of one phase in a VTKHDF file. The rows of a step are found through the file's offsets, as other readers do."""
 
     def __init__(self, path):
         self.file = h5py.File(path, "r", locking=False)
@@ -66,7 +66,8 @@ class Frames:
 
 
 def component_of(frames, name, step):
-    """Splits "velocity_x" into field and component. Without a component: the length ("| |") of a vector, the vertical component of a tensor."""
+    """Splits "velocity_x" into field and component. A name without a component means the length ("| |") of a vector, or the vertical component
+    of a tensor."""
     fields = frames.fields()
     if name in fields:
         columns = frames.columns(name)
@@ -92,7 +93,7 @@ def is_3d(frames, step):
 
 
 class Body:
-    """The particles of one frame in the plane of the picture; in 3D, those of the middle slice, seen from the front."""
+    """The particles of one frame in the plane of the picture; in 3D, the particles of the middle slice, seen from the front."""
 
     def __init__(self, frames, step, values=None):
         x = frames.positions(step)
@@ -100,7 +101,7 @@ class Body:
         dimensions = 3 if self.three else 2
         if "volume" in frames.fields():
             size = frames.values("volume", step) ** (1.0 / dimensions)
-        else:  # from a solver that does not write it
+        else:  # the frames are from a solver that does not write volumes
             size = np.full(len(x), spacing(x[:, :dimensions]))
         self.dx = float(np.median(size))
         keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * self.dx if self.three else np.ones(len(x), dtype=bool)
@@ -152,11 +153,11 @@ def rigid_soil(run):
         outlines = [corners(soil) for soil in scene.get("soil", []) if soil["shape"] in ("polygon", "box")]
         return [outline for outline in outlines if outline is not None]
     except (KeyError, TypeError, ValueError):
-        return []  # the case has been changed
+        return []  # the case file has changed since the run
 
 
 def view(points, margin):
-    """Corners of the section that is drawn: it contains all points except a few far away, such as spray."""
+    """Lower and upper corner of the section of the plane that is drawn. It contains all points except a few far away, such as spray."""
     low, high = np.quantile(points, 0.005, axis=0), np.quantile(points, 0.995, axis=0)
     far = 0.5 * (high - low).max()
     return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
@@ -180,7 +181,7 @@ class Shown:
             drawn = np.vstack([*(b.x for b in (body, around) if b is not None), *self.ground])
             corners = view(drawn, 2.5 * self.dx)
             lower, upper = np.minimum(lower, corners[0]), np.maximum(upper, corners[1])
-            few = max(1, len(self.steps) * len(drawn) // 1000000)  # a million values suffice to find the rare ones
+            few = max(1, len(self.steps) * len(drawn) // 1000000)  # a million values suffice for the quantiles
             values.append(finite[::few])
             points.append(drawn[::few])
         self.extend = "neither"
@@ -197,7 +198,7 @@ class Shown:
         return Body(self.frames, step, scalar(self.frames, self.name, step)), other_body(self.frames, self.phase, step)
 
     def colours(self, low, high):
-        """The norm, the colour map and the label of the colour bar."""
+        """Sets the norm, the colour map and the label of the colour bar."""
         field, component = component_of(self.frames, self.name, self.steps[0])
         unit, largest = self.frames.unit(field), max(abs(low), abs(high))
         self.factor, unit = style.prefix(largest, unit)
@@ -224,7 +225,7 @@ class Shown:
     def paint(self, axes, step):
         """Draws the field with its surroundings: grey soil around the water, or pale blue water with its outline around the soil. Returns the
         artist for the colour bar."""
-        for artist in [*axes.images, *axes.collections, *axes.patches]:  # remove the frame before
+        for artist in [*axes.images, *axes.collections, *axes.patches]:  # removes the previous frame
             artist.remove()
         for corners in self.ground:
             axes.fill(corners[:, 0], corners[:, 1], color=style.AROUND["fluid"], zorder=0)
@@ -239,7 +240,7 @@ class Shown:
         filled, own = canvas.fill(body.x, body.values / self.factor, body.size)
         drawn = axes.imshow(filled if self.least is None else np.maximum(filled, self.least), cmap=self.map, norm=self.norm, **place)
         if own.max() > SURFACE:
-            axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # outline for pale colours
+            axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # shows the edge of pale colours
         if outline is not None and self.phase == "solid" and outline.max() > SURFACE:
             axes.contour(outline, levels=[SURFACE], colors=style.WATER_LINE, linewidths=0.9, extent=canvas.extent)
         axes.set(xlim=(self.lower[0], self.upper[0]), ylim=(self.lower[1], self.upper[1]), aspect="equal")
@@ -267,7 +268,7 @@ class Shown:
 
 
 def paint(axes, frames, phase, name, step):
-    """One field of one phase at one time, with its colour bar."""
+    """Draws one field of one phase at one time, with its colour bar."""
     shown = Shown(frames, phase, name, [step])
     drawn = shown.paint(axes, step)
     shown.axis_labels(axes)
@@ -280,7 +281,8 @@ def panel_width(shape):
 
 
 def draw_field(frames, phase, name, steps, target):
-    """A figure of one field, in the proportions of the body. Several steps: one panel each, with one colour range, below each other or, where the body is narrow, side by side."""
+    """Writes a figure of one field, in the proportions of the body. Several steps: one panel each, with one colour range, below each other or, where
+    the body is narrow, side by side."""
     steps = [steps] if np.isscalar(steps) else list(steps)
     shown = Shown(frames, phase, name, steps)
     for step in steps:
@@ -321,7 +323,7 @@ def read_gauges(run):
         with open(source, newline="") as stream:
             for row in csv.DictReader(stream):
                 if row["unit"] is None:
-                    continue  # an incomplete line, of a killed run
+                    continue  # the run was killed while it wrote this line
                 entry = series.setdefault(row["gauge"], {"unit": row["unit"], "t": [], "v": []})
                 entry["t"].append(float(row["time_s"]))
                 entry["v"].append(float(row["value"]))
@@ -347,7 +349,7 @@ def reference_of(run, gauge):
 
 
 def declaration(run, title):
-    """The case's declaration of a gauge, and the component that the title names ("soil_x"); empty where the case has been changed."""
+    """The case's declaration of a gauge, and the component that the title names ("x" in "soil_x"). Empty where the run has overrides for gauges."""
     scene, overrides = scene_of(run)
     if any(text.startswith("gauge.") for text in overrides):
         return {}, ""
@@ -368,7 +370,7 @@ def places(declared, names):
 
 
 def quantity_label(declared, component, title):
-    """Name of the quantity that a gauge reads, as for a field; else the gauge's name."""
+    """Label of the quantity that a gauge measures, as for a field; for other kinds of gauges the gauge's name."""
     if declared.get("kind") == "momentum":
         return f"momentum of the {style.BODY[declared['phase']]}" + (f", {component}" if component else "")
     if declared.get("kind") != "point":
@@ -385,7 +387,7 @@ def draw_gauges(run, names, title, series, target, marks=()):
 
 
 def gauge_figure(run, names, title, series, marks=()):
-    """Figure of gauges against time. marks: points that they should reach, [gauge, time, value, errors allowed in both]."""
+    """Figure of gauges against time. marks: points on which the curves should lie, [gauge, time, value, allowed error of the time, of the value]."""
     figure, axes = plt.subplots(figsize=(style.COLUMN, 0.62 * style.COLUMN), layout="constrained")
     colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
     declared, component = declaration(run, title)

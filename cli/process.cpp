@@ -139,8 +139,8 @@ Child start(const Program& program, const Signals& signals) {
       ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
-  // Reserves space for the program's last messages, in case the disk is full by then; not every file system can do
-  // that.
+  // Reserves disk space for the program's last messages, in case the disk is full by then. Not every file system
+  // supports it.
   constexpr off_t last_words = 16384;
   static_cast<void>(::fallocate(log.get(), FALLOC_FL_KEEP_SIZE, ::lseek(log.get(), 0, SEEK_END), last_words));
   std::vector<std::string> texts{program.file.string()};
@@ -251,7 +251,7 @@ class Watch {
   }
 
   void interrupt() {
-    if (result_.interrupted) {  // a second Ctrl-C, unless it is the first one delivered twice
+    if (result_.interrupted) {  // a second Ctrl-C, unless the first one was delivered twice
       if (Clock::now() - interrupted_at_ < patience_.grace) return;
       std::fputs("\nending at once\n", stderr);
       next_at_ = Clock::now();

@@ -33,15 +33,15 @@ struct Ended {
 };
 
 struct Watched {
-  std::vector<Ended> ended;  ///< in the order in which they ended
+  std::vector<Ended> ended;  ///< in the order in which the programs ended
   bool interrupted = false;  ///< SIGINT or SIGTERM reached this process
 };
 
 struct Patience {
-  std::chrono::milliseconds by_itself{5000};   ///< for the others to end by themselves after a failure, before SIGTERM
-  std::chrono::milliseconds after_term{3000};  ///< from SIGTERM to SIGKILL
-  /// Time for a clean stop after Ctrl-C before SIGTERM is sent: long, since a window may take minutes. A second Ctrl-C
-  /// ends the wait, once `grace` has passed.
+  std::chrono::milliseconds by_itself{5000};   ///< time in which others may end by themselves after a failure
+  std::chrono::milliseconds after_term{3000};  ///< time from SIGTERM to SIGKILL
+  /// Time for a clean stop after Ctrl-C, before SIGTERM is sent. It is long, since a window may take minutes. A second
+  /// Ctrl-C ends this time, once `grace` has passed.
   std::chrono::milliseconds after_interrupt{600000};
   std::chrono::milliseconds grace{10000};  ///< time after Ctrl-C during which further ones are ignored
 };

@@ -12,7 +12,7 @@ class ProgressView {
   explicit ProgressView(bool quiet);
   /// Takes a progress line of a child process, JSON {"t","end","step","dt","waiting_for"}; ignores anything else.
   void line(const std::string& json);
-  /// Sets the text shown while no time has been simulated yet, such as on the search for equilibrium.
+  /// Sets the text shown while no time has been simulated yet, for example during the search for equilibrium.
   void doing(const std::string& what);
   /// Prints a line that remains, even where progress is not shown.
   void say(const std::string& line);

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""An engineer's report of a run on one page: section, drives, state at the end, gauges against time, factor of safety, balances of water
-and grains, warnings, and the origin of the data. All pictures are embedded in the page.
+"""Writes an engineer's report of a run on one page: cross-section, prescribed heads and other drives, state at the end, gauges against time,
+factor of safety, balances of water and grains, warnings, and the origin of the data. All pictures are embedded in the page.
 
 Called by `poretwin report RUN`; needs the Debian packages python3-h5py, python3-numpy, python3-matplotlib; for a PDF the program chromium.
 """
@@ -56,7 +56,7 @@ class Run:
         except (OSError, ValueError):
             raise SystemExit(f"{folder}: expected the folder of a run that has ended: run.toml is missing or cannot be read")
         self.summaries = [json.loads(path.read_text()) for path in sorted(folder.glob("*.summary.json"))]
-        self.missing = ""  # why there is no case
+        self.missing = ""  # says why the case cannot be read
         self.case = self.read_case()
         self.gauges = plot.read_gauges(folder)
         self.frames = {}
@@ -126,7 +126,7 @@ def closed(outline):
 
 
 def place_of_name(outline, others):
-    """The point for a soil's name: inside its outline, outside all others, as far from its edges as possible."""
+    """The point at which a soil's name is written: inside the soil's outline, outside all other outlines, as far from the edges as possible."""
     low, high = outline.min(axis=0), outline.max(axis=0)
     grid = np.stack(np.meshgrid(np.linspace(low[0], high[0], 41), np.linspace(low[1], high[1], 41)), axis=-1).reshape(-1, 2)
     path = closed(outline)
@@ -141,12 +141,12 @@ def place_of_name(outline, others):
 
 
 def series(value):
-    """A number, or a table in time, as an array of rows [t, value]."""
+    """The value of a key, which is a number or a table over time, as an array of rows [t, value]."""
     return np.array(value, dtype=float).reshape(-1, 2) if isinstance(value, list) else np.array([[0.0, float(value)]])
 
 
 def level(face, time):
-    """Elevation of the water behind a face at a time; None where the case prescribes none."""
+    """Elevation [m] of the water's level behind a face at a time [s]; None where the case prescribes no head at this face."""
     if "head" not in face:
         return None
     knots = series(face["head"])
@@ -288,8 +288,8 @@ def draw_state(page, run):
 
 
 def draw_field(page, run, phase, name, step, required=False, frames=None):
-    """Draws one field (of the run's frames unless others are given) with the soils' outlines and the water table; unless `required`, no picture
-    of a field that is constant."""
+    """Draws one field with the soils' outlines and the water table; frames: those of the run, unless others are given. A constant field is drawn
+    only if it is `required`."""
     frames = frames or run.frames[phase]
     shown = plot.Shown(frames, phase, name, [step])
     values = plot.scalar(frames, name, step)
@@ -327,17 +327,17 @@ def plain(text):
     return " ".join(re.sub(r" ?\$[^$]*\$", "", text).split())
 
 
-AFTER = "poretwin safety"  # name of the factors that were found after the run
+AFTER = "poretwin safety"  # name of the curve of factors of safety that were computed after the run
 
 
 def safety_after(run):
-    """Rows of RUN/safety/safety.csv, of `poretwin safety RUN`, ordered by time; empty where there is none."""
+    """Rows of RUN/safety/safety.csv, which `poretwin safety RUN` writes, ordered by time; empty where this file does not exist."""
     path = run.folder / "safety" / "safety.csv"
     return sorted(csv.DictReader(path.read_text().splitlines()), key=lambda row: float(row["time_s"])) if path.exists() else []
 
 
 def draw_safety(page, run):
-    """Draws the factor of safety against time: as gauges read it, and as `poretwin safety RUN` found it."""
+    """Draws the factor of safety against time: the values of gauges, and those that `poretwin safety RUN` has computed."""
     after = safety_after(run)
     series = {name: run.gauges[name] for name in run.of_kind("factor_of_safety") if name in run.gauges}
     errors = {name: run.gauges.get(f"{name}_error", {"v": np.zeros(len(series[name]["v"]))})["v"] for name in series}
@@ -351,7 +351,7 @@ def draw_safety(page, run):
     rows = []
     for name, found in series.items():
         t, v, error = np.array(found["t"]), np.array(found["v"]), np.array(errors[name])
-        finite = np.isfinite(v)  # elsewhere the soil stands at any factor
+        finite = np.isfinite(v)  # the value is not finite where the soil does not fail at any factor
         drawn, = axes.plot(t[finite] / run.unit[0], v[finite], marker="o", label=name)
         axes.fill_between(t[finite] / run.unit[0], (v - np.where(finite, error, 0.0))[finite], (v + error)[finite], color=drawn.get_color(), alpha=0.2, linewidth=0)
         least = int(np.nanargmin(v))
@@ -374,7 +374,7 @@ def draw_safety(page, run):
         draw_field(page, run, "solid", "failing_strain", step, frames=frames)
     elif "solid" in run.frames and "failing_strain" in run.frames["solid"].fields():
         times = run.frames["solid"].times
-        later = np.flatnonzero(times >= least[1] * (1.0 - 1e-9))  # frames show the last reading
+        later = np.flatnonzero(times >= least[1] * (1.0 - 1e-9))  # a frame shows what the gauge computed last before it
         page.add(f"<p>What fails where the factor is least (frame at {style.time(times[later[0] if len(later) else -1], run.unit)}):</p>")
         draw_field(page, run, "solid", "failing_strain", int(later[0]) if len(later) else len(times) - 1)
 

@@ -48,7 +48,7 @@ std::string last_words(const fs::path& log) {
   for (std::string line; std::getline(stream, line);)
     if (!line.empty()) lines.push_back(line);
   if (lines.empty()) return "(its log is empty)";
-  // The lines of the log from the last error on, or its last lines where there is none.
+  // The text begins at the last line with an error; without one, it consists of the last three lines.
   auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin();
   for (auto line = lines.begin(); line != lines.end(); ++line)
     if (line->find("error:") != std::string::npos) first = line;
@@ -146,8 +146,8 @@ std::string leader_of(const Case& scene) {
   return scene.coupled() ? "coupler" : scene.deformable() ? "solid" : "fluid";
 }
 
-/// Identity of a user's command: its text, with the hashes of the files that it names, since a script is part of the
-/// program.
+/// Identity of a user's command: its text with the hashes of the files that it names, since a script is part of the
+/// program that runs.
 std::string identity_of_command(const std::string& command) {
   std::string text = "'" + command + "'";
   std::istringstream words(command);
@@ -265,7 +265,7 @@ std::string listed_seconds(Summary::Numbers numbers) {
   return text;
 }
 
-/// One line for each count that is not zero; for each cause that limited windows, its fraction of all windows.
+/// One line for each count that is not zero; a cause that limited windows is listed with its fraction of all windows.
 std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
   const auto is_limit = [](const std::string& name) { return name.starts_with("windows limited by"); };
   double windows = 0.0;
@@ -414,7 +414,7 @@ RunResult run_case(const RunOptions& options) {
     result.ended = watched.ended;
     for (const auto& ended : watched.ended) result.cpu += ended.cpu;
     const Ended* cause = root_cause(watched.ended);
-    // A scheduler may send its signal to the child processes only; or the run ended before the signal arrived.
+    // An interruption may also have reached the child processes only; or the run may have ended before it arrived.
     if (cause != nullptr && (watched.interrupted || cause->status == interrupted_exit)) {
       result.exit = interrupted_exit;
       result.reason = has_checkpoints(options.out, leader) ? "interrupted; --resume goes on from the last checkpoint"

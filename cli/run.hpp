@@ -45,14 +45,14 @@ struct RunOptions {
 
 struct RunResult {
   int exit = 0;                   ///< of the process that failed first; 6: result in doubt; 130: interrupted
-  std::string reason;             ///< empty where all went well, or nothing was left to do
-  bool already_finished = false;  ///< the run had ended before: nothing was done, and the summaries are its own
+  std::string reason;             ///< empty where all went well, or the run had already ended
+  bool already_finished = false;  ///< the run had ended before; nothing was done; the summaries are its own
   double wall = 0.0, cpu = 0.0;   ///< s
   int restarts = 0;               ///< number of restarts after crashes
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
   std::vector<std::string> case_warnings;  ///< warnings of the check of the case
-  std::string representation_chosen;       ///< why fluid.representation = "auto" became what it is; else empty
+  std::string representation_chosen;       ///< how fluid.representation = "auto" was decided, and why; else empty
   /// Whether the run ended by itself, with or without warnings that put the result in doubt.
   [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };
@@ -74,7 +74,7 @@ int available_threads();
 /// Why a process ended, with the last words of its log.
 std::string reason_of(const Ended& ended);
 
-/// The process that failed first, as opposed to those that failed because of it.
+/// The process that failed first; others may have failed because of it.
 const Ended* root_cause(const std::vector<Ended>& ended);
 
 }  // namespace poretwin::cli

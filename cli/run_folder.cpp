@@ -21,7 +21,7 @@ bool is_lock(const fs::path& file) { return file.extension() == ".lock"; }
 
 std::string subject(const fs::path& out) { return out.string() + ": another run writes into this folder"; }
 
-/// Whether the folder is empty, except for files of a run that was refused or killed before it began.
+/// Whether the folder contains no results: at most the files of a run that was refused or killed before it began.
 bool holds_nothing(const fs::path& out) {
   return std::all_of(fs::directory_iterator(out), {}, [](const auto& entry) {
     return is_lock(entry.path()) || (entry.path().filename() == "log" && fs::is_empty(entry.path()));
@@ -129,8 +129,8 @@ RunFolder::RunFolder(const RunClaim& claim) : out_(claim.out) {
     else
       replaced_ = replaced_by(claim);
   };
-  // A folder into which another run writes is refused first, whatever it contains. A folder that is not a run's gets no
-  // lock file.
+  // A folder into which another run writes is refused first, whatever it contains. In a folder that belongs to no run
+  // no lock file is made.
   if (fs::exists(lock_file(out_))) lock_ = FileLock(lock_file(out_), subject(out_), FileLock::Inherited::yes);
   check();
   if (finished_) return;

@@ -1,5 +1,5 @@
-// The folder of a run: to which run it belongs, what it contains, and whether a run may begin or resume there. Nothing
-// in it is changed before that is decided.
+// The folder of a run: to which run it belongs, what it contains, and whether a run may begin or resume there. Until
+// that is decided, nothing in the folder is changed.
 #pragma once
 
 #include "common/checkpoint/store.hpp"
@@ -15,7 +15,7 @@ namespace poretwin::cli {
 /// The entries of run.toml that are read back.
 struct RunRecord {
   std::string case_name, case_file, started, ended, reason;
-  std::optional<int> exit;  ///< absent: it is still running, or was killed
+  std::optional<int> exit;  ///< absent: the run still runs, or was killed
   RunIdentity identity;
   std::vector<std::string> overrides;
 };
@@ -56,8 +56,8 @@ class RunFolder {
   std::string replaced_;
 };
 
-/// Locks the folder of a run that has ended, so that no run begins there meanwhile. Throws FileError where one is under
-/// way.
+/// Locks the folder of a run that has ended, so that no run can begin there. Throws FileError where a run is under way
+/// in the folder.
 FileLock lock_ended_run(const std::filesystem::path& run, const std::string& what);
 
 /// Subfolder of a run's folder for what `poretwin safety RUN` finds.

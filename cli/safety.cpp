@@ -52,7 +52,7 @@ class Search {
   [[nodiscard]] bool good() const { return safety_.run.ended_well(); }
   [[nodiscard]] fs::path folder(double factor) const { return options_.out / fmt::format("F_{:.4f}", factor); }
 
-  /// Whether the soil stands; nothing where the run decided nothing: it was interrupted, or failed for another reason.
+  /// Whether the soil stands. Empty where the run gave no answer: it was interrupted, or failed for another reason.
   std::optional<bool> stands(double factor) {
     RunOptions options = options_;
     options.out = folder(factor);

@@ -9,14 +9,14 @@ namespace poretwin::cli {
 struct SafetyTrial {
   double factor = 1.0;
   bool stands = false;
-  double steps = 0.0, residual = 0.0;  ///< of the search for equilibrium; its largest acceleration, scaled
+  double steps = 0.0, residual = 0.0;  ///< of the search for equilibrium; residual: largest acceleration, scaled
   double displacement = 0.0;           ///< m, largest
 };
 
 struct Safety {
   std::vector<SafetyTrial> trials;   ///< ordered by factor
-  double stands = 0.0, fails = 0.0;  ///< largest factor that stands, smallest that fails
-  RunResult run;                     ///< wall and CPU time of all trials; otherwise the last trial
+  double stands = 0.0, fails = 0.0;  ///< largest factor at which the soil stands, smallest at which it fails
+  RunResult run;                     ///< wall and CPU time of all trials; the rest describes the last trial
   std::filesystem::path failing;     ///< folder of the failing trial with the smallest factor
   [[nodiscard]] double factor() const { return 0.5 * (stands + fails); }
 };

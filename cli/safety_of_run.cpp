@@ -27,7 +27,7 @@ namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// Times of frames that differ by less than this, over the run's length, are the same.
+/// Times of frames count as equal if they differ by less than this fraction of the run's length.
 constexpr double rounding = 1e-9;
 
 std::string number(double value) { return fmt::format("{:.10g}", value); }
@@ -88,7 +88,7 @@ std::string line_of(const SafetyAtInstant& instant, int dimension) {
   return rest < 0.5 ? text : text + fmt::format("; {:.0f} % of the motion is on another side", rest);
 }
 
-/// The case of the run as it was. Throws where it has changed since, or where frames of it give no factor.
+/// The case of the run. Throws where the case has changed since the run, or where its frames cannot give a factor.
 Case case_of(const fs::path& run, const RunRecord& record) {
   if (!fs::exists(record.case_file))
     throw FileError(
@@ -154,7 +154,7 @@ Program program_of(const SafetyOfRunOptions& options, const fs::path& out, const
   return program;
 }
 
-/// The soil that fails where the factor is least, and the factor against time.
+/// Draws the soil that fails at the instant with the least factor, and the factor against time.
 void draw(const SafetyOfRun& safety) {
   const SafetyAtInstant* least = safety.least();
   if (least == nullptr) return;
@@ -195,7 +195,7 @@ std::vector<std::size_t> frames_at(std::span<const double> times, const Instants
   };
   for (const double time : instants.at) take(time);
   if (instants.every) {
-    // More instants than frames would be the same frames again.
+    // Where more instants than frames are asked for, several would take the same frame: the step is increased.
     const double widest = (last - first) / static_cast<double>(times.size());
     const double step = *instants.every * std::max(1.0, std::floor(widest / *instants.every));
     for (double k = std::ceil((first - slack) / step); k * step <= last + slack; k += 1.0) take(k * step);

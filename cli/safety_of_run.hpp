@@ -25,8 +25,8 @@ struct SafetyOfRunOptions {
 /// The factor at one instant and what fails there; a row of safety.csv (common/output/safety_row.hpp).
 struct SafetyAtInstant {
   double time = 0.0, factor = 0.0, error = 0.0, stands = 0.0, fails = 0.0;
-  std::string soil, face;            ///< of the soil that fails; empty where nothing does
-  double share = 0.0, volume = 0.0;  ///< share: of the motion of all soil; volume: m2, 3D: m3
+  std::string soil, face;            ///< of the soil that fails; empty where no soil fails
+  double share = 0.0, volume = 0.0;  ///< share: fraction of the motion of all soil; volume: m2, 3D: m3
   std::array<double, 3> centre{}, towards{};
 };
 
@@ -45,7 +45,7 @@ struct SafetyOfRun {
 bool is_run_folder(const std::filesystem::path& path);
 
 /// Indices of the frames nearest to the instants, ascending, each once. Throws CaseError for an instant outside the
-/// frames' times (by more than their rounding). say: called with a line where the nearest frame is at another time.
+/// times of the frames (by more than their rounding). `say` receives a line for an instant between frames.
 std::vector<std::size_t> frames_at(std::span<const double> times, const Instants& instants,
                                    const std::function<void(const std::string&)>& say);
 

@@ -15,8 +15,8 @@ namespace poretwin::cli {
 
 namespace {
 
-/// The command that runs a script, with the system's Python: another one in the PATH may lack the packages h5py and
-/// matplotlib. -B: no compiled files are written into the installed folder.
+/// The command that runs a script with the system's Python: another Python in the PATH may lack the packages h5py and
+/// matplotlib. -B prevents compiled files in the installed folder.
 std::vector<std::string> command_of(const std::string& name, const std::vector<std::string>& arguments) {
   std::vector<std::string> texts{"/usr/bin/python3", "-B", (data_folder() / name).string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());

@@ -7,8 +7,8 @@
 
 namespace poretwin::cli {
 
-/// Runs a script of the data folder ("cli/plot.py"); its output goes to `log`, or where that is empty to the terminal.
-/// Returns its exit code.
+/// Runs a script of the data folder ("cli/plot.py") and returns its exit code. Its output goes to the file `log`; if
+/// `log` is empty, to the terminal.
 int run_script(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& log = {});
 

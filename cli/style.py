@@ -1,4 +1,4 @@
-"""The style of poretwin's figures, and how they are written: for `plot`, reports and benchmarks.
+"""The style of poretwin's figures and the function that writes them; `plot`, reports and benchmarks use them.
 
 Needs the Debian package python3-matplotlib.
 """
@@ -10,10 +10,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
 
 FORMATS = ("png", "svg", "pdf")
-# Widths in inches of a journal's page (180 mm), and of three quarters of it: figures are printed at the size at which they are
-# drawn.
+# Widths [inches] of figures: of a journal's page (180 mm), and of three quarters of it. Figures are printed at the size at which
+# they are drawn.
 PAGE, COLUMN = 7.1, 5.3
-PRINT_DPI = 300  # resolution of particles inside vector figures; journals ask this of colour pictures
+PRINT_DPI = 300  # resolution of particles inside vector figures; journals require it of colour pictures
 STYLE = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -68,7 +68,8 @@ SOLID = {
     "pore_pressure_ratio": ("pore pressure ratio", "r_u"),
 }
 UNITS = {"degrees": "°", "m/s2": "m/s²", "m2": "m²", "m3": "m³", "m2/s": "m²/s", "m3/s": "m³/s", "kg/m3": "kg/m³"}
-# Perceptually uniform colour maps. MAPS: dark where the field is large; MAP: every other field; SIGNED_MAP: fields of either sign, white at zero.
+# Perceptually uniform colour maps. MAPS: for the fields named there, dark where the field is large; MAP: for every other field; SIGNED_MAP: for
+# fields with values of both signs, white at zero.
 MAPS = {"accumulated_plastic_strain": "magma_r", "failing_strain": "magma_r", "degree_of_saturation": "cividis_r"}
 MAP, SIGNED_MAP = "viridis", "RdBu_r"
 
@@ -78,7 +79,7 @@ def use(**more):
 
 
 def label(phase, field, component=""):
-    """Label of a field, or of a component ("xx"; "| |": length of a vector), for a colour bar; without the unit."""
+    """Label of a field for a colour bar, without the unit. component: "xx" and the like; "| |": the length of a vector; "": the field itself."""
     words, symbol = (FLUID if phase == "fluid" else SOLID).get(field, (field.replace("_", " "), ""))
     if component == "| |":
         words, symbol = words.replace("velocity", "speed"), symbol and rf"|{symbol}|"
@@ -96,7 +97,7 @@ def unit(text):
 
 
 def prefix(value, of):
-    """Factor and prefixed unit that keep numbers short: kPa, mm."""
+    """Factor and unit with prefix (kPa, mm) that make numbers short: value / factor is the number in that unit."""
     if of not in ("Pa", "m", "m/s", "N"):
         return 1.0, of
     for factor, sign in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
@@ -110,12 +111,12 @@ def number(value):
     return f"{float(f'{value:.4g}'):g}"
 
 
-# Units of time: shortest run for which the unit is used [s], its length [s], its name.
+# Units of time: duration [s] of the shortest run for which the unit is used, length of the unit [s], its name.
 TIMES = [(3.0 * 365.25 * 86400.0, 365.25 * 86400.0, "years"), (2.0 * 86400.0, 86400.0, "days"), (2e4, 3600.0, "h"), (0.0, 1.0, "s")]
 
 
 def time_unit(span):
-    """Length [s] and name of the usual unit for a span of time [s]."""
+    """Length [s] and name of the unit that suits a span of time [s]."""
     return next((unit, name) for least, unit, name in TIMES if span >= least)
 
 

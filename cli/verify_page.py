@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""One page with the results of `poretwin verify`. Per case: its introduction, the errors, the runs with particles, windows and run time, its
-figures, pictures of the fields that verify.toml names (else of the main fields at the end), and pictures of the gauges that are compared.
+"""Writes one page with the results of `poretwin verify`. For each case it gives the introduction, the errors, the runs with particles,
+windows and run time, the figures that verify.toml declares, pictures of the fields that verify.toml names (otherwise of each phase's main
+field at the end of the run), and pictures of the gauges that are compared.
 
 Called by `poretwin verify CASE|all --report DIR`.
 """
@@ -27,7 +28,7 @@ def introduction(case_folder):
 
 
 def draw_fields(folder, wanted, target, prefix):
-    """Draws fields of a run. wanted: list of "FIELD" or "FIELD@TIME"; empty: each phase's main field. Yields paths."""
+    """Draws fields of a run. wanted: list of "FIELD" (at the end) or "FIELD@TIME"; empty: each phase's main field. Yields paths."""
     for phase in ("fluid", "solid"):
         if not (folder / f"{phase}.vtkhdf").exists():
             continue
@@ -47,7 +48,8 @@ def draw_fields(folder, wanted, target, prefix):
 
 
 def draw_gauges(folder, judged, target, prefix):
-    """Draws one picture per gauge, or array of gauges, to which these metrics refer, with the reference values. Yields paths."""
+    """Draws one picture for each gauge to which these metrics refer, with the reference values; all points of a gauge share one picture.
+    Yields the files' paths."""
     series = plot.read_gauges(folder)
     for title in dict.fromkeys(m["gauge"].partition("[")[0] for m in judged):
         group = [name for name in series if name.partition("[")[0] == title and len(series[name]["t"]) > 1]
@@ -67,8 +69,8 @@ def draw_figures(case, target):
 
 
 def section(case, folder_of_pictures, pictured=None):
-    """Markdown of one case. Pictures go into folder_of_pictures: of all runs (pictured = None), or of the first `pictured` runs, taken from
-    those that list figures where there are any."""
+    """Markdown of one case. Pictures go into folder_of_pictures: those of all runs (pictured = None), or of the first `pictured` runs. Where
+    some runs list `figures` in verify.toml, only these are counted."""
     title, about = introduction(pathlib.Path(case["folder"]))
     lines = [f"## {case['case']}: {title}", "", about, ""]
     pictures = {}

@@ -1,5 +1,6 @@
-# Compiles through ccache where it is installed, so that clones and branches share what they have in common. Paths below the clone count as
-# relative; precompiled headers need the sloppiness. Without it: -DCMAKE_CXX_COMPILER_LAUNCHER= (empty).
+# Compiles through ccache where it is installed, so that clones and branches share the results of compiling equal files. Paths below the
+# clone count as relative; precompiled headers need the sloppiness below. To compile without ccache, set
+# -DCMAKE_CXX_COMPILER_LAUNCHER= (empty).
 find_program(PORETWIN_CCACHE ccache)
 if(PORETWIN_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER

@@ -1,5 +1,5 @@
-# Libraries whose code the shared library takes up as well. No function of ours is to be replaced from outside, so that calls are inlined as in
-# any other build.
+# For libraries whose code the shared library contains as well. Programs that load the shared library must not replace its functions by
+# their own (no semantic interposition), so that the compiler may inline calls as in any other build.
 function(poretwin_relocatable target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -fno-semantic-interposition)

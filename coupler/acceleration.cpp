@@ -10,7 +10,7 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Relaxation factor of the first step, for which there is no earlier residual.
+/// Relaxation factor of the first step, where no earlier residual exists.
 constexpr double first_relaxation = 0.5;
 
 class Plain final : public Acceleration {
@@ -18,8 +18,8 @@ class Plain final : public Acceleration {
   Vector next(const Vector&, const Vector& result) override { return result; }
 };
 
-/// Aitken's relaxation for vectors, in the form of Irons & Tuck (1969): the factor of a secant through the last two
-/// residuals, projected on their difference.
+/// Aitken's relaxation for vectors, in the form of Irons & Tuck (1969). The factor is that of a secant through the last
+/// two residuals, projected on their difference.
 class Aitken final : public Acceleration {
  public:
   Vector next(const Vector& x, const Vector& result) override {
@@ -70,7 +70,7 @@ class QuasiNewton final : public Acceleration {
     columns.rightCols(1) = column;
   }
 
-  Eigen::MatrixXd changes_, steps_;  ///< differences between successive residuals, results
+  Eigen::MatrixXd changes_, steps_;  ///< differences between successive residuals; between successive results
   Vector last_residual_, last_result_;
 };
 

@@ -1,5 +1,5 @@
-// Acceleration of a fixed-point iteration x <- H(x), where H is one pass through both solvers. Nothing is carried over
-// from one window to the next, so that checkpoints need not contain it.
+// Acceleration of a fixed-point iteration x <- H(x), where H is one pass through both solvers. Every window starts
+// anew, so that checkpoints need not contain anything of it.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 namespace poretwin::coupling {
 
 enum class AccelerationKind {
-  none,         ///< x <- H(x): diverges where the solid is lighter than the water that it moves
+  none,         ///< x <- H(x): diverges where the solid is lighter than the water that moves with it
   aitken,       ///< one relaxation factor, from the last two residuals
   quasi_newton  ///< an inverse Jacobian fitted by least squares to the iterations of this window
 };

@@ -37,7 +37,7 @@ std::string shown(std::string text, std::size_t most = 64) {
   return text;
 }
 
-/// The first difference between the fields that one side gives and those that the other takes; nothing if they agree.
+/// The first difference between the fields that one side gives and the fields that the other takes; empty if none.
 std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
   auto differs = [](const std::string& field, std::string expected, std::string got) {
     return Reject{RejectCode::field, field, std::move(expected), std::move(got), 0.0, ""};
@@ -67,7 +67,7 @@ std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
   return std::nullopt;
 }
 
-/// The first key of the case with different values: "water.density: expected 1000, got 900"; empty when unknown.
+/// The first key that differs between the cases: "water.density: expected 1000, got 900"; empty when unknown.
 std::string different_key(const std::string& expected, const std::string& got) {
   if (expected.empty() || got.empty()) return {};
   const auto read = [](const std::string& part) {
@@ -98,9 +98,9 @@ struct Peer {
   std::uint64_t sequence = 0, sent = 0;
   Clock::time_point heard;
   std::string last = "none";
-  std::string doing;  ///< from its last heartbeat
+  std::string doing;  ///< activity in its last heartbeat
   std::uint64_t step = 0;
-  bool left = false;     ///< it said BYE
+  bool left = false;     ///< it has sent BYE, or its connection has closed
   bool noticed = false;  ///< its silence has been reported
 };
 
@@ -140,7 +140,7 @@ class Broker::Implementation {
     auto& p = peer(role);
     const auto start = Clock::now();
     auto said = start;
-    // Also measures a wait during which the participant is lost.
+    // The time counts even if the participant is lost during the wait.
     const bool fluid = role == Role::fluid;
     const Span span(fluid ? totals_.waiting_for_fluid : totals_.waiting_for_solid, options_.trace,
                     fluid ? "waiting for fluid" : "waiting for solid");
@@ -175,14 +175,14 @@ class Broker::Implementation {
       if (p.line.empty() || p.left) continue;
       try {
         send_to(p, message_of(Abort{culprit, error.what(), error.code()}, p.step));
-      } catch (const std::exception&) {  // the other participant must be informed all the same
+      } catch (const std::exception&) {  // the other participant must be informed nevertheless
       }
     }
   }
 
   void say_goodbye() {
     finishing_ = true;
-    // No deadline: a participant may write for a long time, and listen() detects one that is frozen or dead.
+    // Without a deadline: a participant may write output for long, and listen() detects a frozen or dead participant.
     const auto start = Clock::now();
     auto said = start;
     while (!(peer(Role::fluid).left && peer(Role::solid).left)) {
@@ -223,8 +223,8 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
-  /// A message could not be delivered: throws, unless the participant's goodbye has arrived meanwhile. A connection that
-  /// closed without one is reported as such.
+  /// Called when a message could not be delivered. Throws unless the participant's goodbye has arrived meanwhile; the
+  /// error says if the connection closed without a goodbye.
   void expect_goodbye(const Peer& p) {
     while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
     if (!p.left) fail(p, "is unreachable: nobody at the end of its line");
@@ -245,7 +245,7 @@ class Broker::Implementation {
 
   /// Handles the messages that arrive within a short time, sends heartbeats and checks for frozen participants.
   void listen(const std::string& waiting_for) {
-    // The number of messages is limited, so that the caller can check its deadlines, and heartbeats are sent in time.
+    // The number of messages is limited, so that the caller can check its deadlines and heartbeats are sent in time.
     constexpr int most_at_once = 100;
     int count = 0;
     for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
@@ -255,7 +255,7 @@ class Broker::Implementation {
     }
     if (const std::string notice = hub_.notice(); !notice.empty()) say(notice);
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
-    // If this process itself was stopped or busy mapping for a while, silence is not the participants' fault.
+    // If this process itself was stopped, or busy with mapping, the participants' silence is not their fault.
     if (Clock::now() - listened_ > std::min(options_.frozen_deadline, options_.frozen_notice) / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
@@ -303,7 +303,7 @@ class Broker::Implementation {
   void handle(Hub::Event event) {
     Peer* known = peer_on(event.line);
     if (event.frames.empty()) {
-      // No more messages for it: the socket would wait at its closing to deliver them.
+      // No more messages are sent to it: when the socket closes, it would wait until they are delivered.
       if (known && !std::exchange(known->left, true)) fail(*known, "died: its connection closed without a goodbye");
       return;
     }
@@ -371,7 +371,7 @@ class Broker::Implementation {
                       0.0,
                       ""};
     else if (!hello)
-      return;  // a line that was refused, or has left, and still sends
+      return;  // not HELLO: its sender was refused, or has left, and still sends
     else
       reject = objection(*hello);
     const std::string who = shown(hello && message.major == protocol_major ? hello->role : message.sender);
@@ -402,7 +402,7 @@ class Broker::Implementation {
                                   static_cast<double>(options_.frozen_deadline.count()) / 1000.0}));
   }
 
-  /// Logs a line about a stranger. The number of such lines is limited, since strangers may come without end.
+  /// Logs a line about a stranger. The number of such lines is limited, since the number of strangers is not.
   void say_of_stranger(const std::string& line) {
     constexpr int most = 50;
     if (said_of_strangers_ < most) say(line);

@@ -1,5 +1,5 @@
-// The coupler's side of the exchange of messages: which participants are present, may join, or are slow, frozen, dead
-// or gone. It does not interpret fields; the schedule decides what is sent when.
+// The coupler's side of the exchange of messages. It knows which participants are present or may join, and which are
+// slow, frozen, dead or gone. It does not interpret fields; the schedule decides what is sent, and when.
 #pragma once
 
 #include "common/coupling/trace.hpp"
@@ -19,8 +19,8 @@ struct BrokerOptions {
   std::string case_text;  ///< text of the case, for participants without a case file of their own
   std::vector<std::string> case_overrides;
   Milliseconds wait_deadline{60'000};  ///< longest wait for missing participants
-  /// Times without a heartbeat: after the first a participant is reported as frozen, after the second the run is given
-  /// up. In between it may continue (after a stop in a debugger, or a suspended machine).
+  /// Times without a heartbeat. After the first, a participant is reported as frozen; after the second, the run fails.
+  /// In between the participant may continue, for example after a stop in a debugger or a suspended machine.
   Milliseconds frozen_notice{2'500}, frozen_deadline{30'000};
   Milliseconds heartbeat{1'000};
   Milliseconds say_every{5'000};
@@ -31,7 +31,7 @@ struct BrokerOptions {
 };
 
 struct BrokerTotals {
-  std::uint64_t messages_sent = 0, messages_received = 0;  ///< without heartbeats
+  std::uint64_t messages_sent = 0, messages_received = 0;  ///< heartbeats are not counted
   std::uint64_t bytes_sent = 0, bytes_received = 0;
   double waiting_for_fluid = 0.0, waiting_for_solid = 0.0, sending = 0.0;  ///< s
 };
@@ -43,11 +43,11 @@ class Broker {
   Broker(const Broker&) = delete;
   Broker& operator=(const Broker&) = delete;
 
-  /// Waits for one fluid and one solid that agree with the case and with each other; refuses all others, with the
-  /// reason.
+  /// Waits for one fluid and one solid that agree with the case and with each other. Refuses all other participants and
+  /// tells them the reason.
   void gather();
-  /// The next message of that participant. Meanwhile every failure of EITHER participant throws an Error that names it,
-  /// its step, its last message and what happened. A participant that is only slow is waited for.
+  /// The next message of that participant, however slow it is. If EITHER participant fails meanwhile, throws an Error
+  /// that names it, its step, its last message and what happened.
   Message wait(Role role);
   void send(Role role, Message message);
   /// Sends ABORT to all participants; never throws.
@@ -63,7 +63,7 @@ class Broker {
   /// Whether a user has asked the coupler or a participant to stop.
   [[nodiscard]] bool interrupted() const;
   [[nodiscard]] const BrokerTotals& totals() const;
-  /// "fluid", "solid" or "coupler": the cause of the last error thrown here.
+  /// The process that caused the last error thrown here: "fluid", "solid" or "coupler".
   [[nodiscard]] const std::string& culprit() const;
 
  private:

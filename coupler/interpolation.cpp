@@ -1,4 +1,4 @@
-// Consistent mapping: a weighted least-squares plane through the neighbours, for four receiving points at a time.
+// Consistent mapping: a plane through the neighbours by weighted least squares, for four receiving points at a time.
 #include "common/core/threads.hpp"
 #include "coupler/mapping.hpp"
 
@@ -25,8 +25,8 @@ constexpr Size upper(Size a, Size b) {
 template <int D>
 inline constexpr Size n_upper = D*(D + 1) / 2;
 
-/// Sums over the neighbours of a point: of their weights w, and of w h, w r and w r r^T, with their smoothing lengths h
-/// and their positions r relative to the point.
+/// Sums over the neighbours of a point: of w, w h, w r and w r r^T, with their weights w, their smoothing lengths h and
+/// their positions r relative to the point.
 template <int D>
 struct Moments {
   Quad w{}, wh{};
@@ -34,15 +34,15 @@ struct Moments {
   std::array<Quad, n_upper<D>> wrr{};
 };
 
-/// Interpolation plane of a point: a neighbour at r has the coefficient w (constant - slope . r).
+/// Interpolation plane of a point: a neighbour at the relative position r has the coefficient w (constant - slope . r).
 template <int D>
 struct Plane {
   Lanes constant;  ///< includes the division by the sum of weights; 0 without neighbours
   std::array<Quad, D> slope;
 };
 
-/// Fraction of the slope that is used: 0 where the smallest eigenvalue of the neighbours' covariance over the square of
-/// their mean smoothing length is below slope_off, 1 above slope_full, linear between.
+/// Fraction of the slope that is used: 0 if the smallest eigenvalue of the neighbours' covariance, over the square of
+/// their mean smoothing length, is below slope_off; 1 if above slope_full; linear in between.
 [[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<2>>& c, const Lanes& square,
                                                Lanes& share) {
   const Lanes half = 0.5 * (c[0].v - c[2].v);
@@ -54,7 +54,7 @@ struct Plane {
 }
 [[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<3>>& c, const Lanes& square,
                                                Lanes& share) {
-  // All eigenvalues exceed a bound if all leading minors of (matrix - bound I) are positive.
+  // All eigenvalues exceed a bound if and only if all leading minors of (matrix - bound I) are positive.
   const Lanes bound = slope_full * square;
   const Lanes a = c[0].v - bound, b = c[3].v - bound, d = c[5].v - bound;
   const Lanes minor = a * b - c[1].v * c[1].v;
@@ -208,21 +208,21 @@ template <int D>
     }
     for (Size q = 0; q < columns_at_once; ++q) total[column + q] = sum[q];
   }
-  // With negative coefficients the plane may leave the range of the neighbours' values; it is limited to that range.
+  // Where coefficients are negative, the value may leave the range of the neighbours' values, and is limited to it.
   const LaneMask leaves = least < 0.0;
   if (!any(leaves)) return;
   for (Size column = 0; column < columns.width; column += columns_at_once)
     cut_at_range(near, weight, columns.values.data() + column, columns.width, leaves, total + column);
 }
 
-/// Whether values of this property differ by more than the factor `jump`.
+/// Whether any values of this property differ by more than the factor `jump`.
 bool jumps_anywhere(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return low != values.end() && *high > jump * *low;
 }
 
-/// Where a column jumps among the neighbours of a point, replaces the interpolated value by that of the neighbour with
-/// the largest weight.
+/// Where the values of a column jump among the neighbours of a point, replaces the interpolated value by the value of
+/// the neighbour with the largest weight.
 [[gnu::always_inline]] inline void take_nearest(std::span<const Index> near, const Quad* weight, const Columns& columns,
                                                 Quad* total) {
   Lanes most{};
@@ -247,7 +247,7 @@ bool jumps_anywhere(const std::vector<double>& values) {
   }
 }
 
-/// Writes the columns of a block to the fields to which they belong.
+/// Writes the columns at the points of a block to the fields to which they belong.
 template <int D>
 void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field* const> fields) {
   for (auto* const field : fields) {
@@ -258,7 +258,7 @@ void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std
   }
 }
 
-/// Computes coverage and asymmetry.
+/// Computes coverage and asymmetry at the points of a block.
 template <int D>
 [[gnu::always_inline]] inline void tell_surroundings(const typename PairBlocks<D>::Block& block, const Moments<D>& m,
                                                      Interpolation& out) {
@@ -330,7 +330,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
               weigh_block<Kernel::of_candidate, D>(pairs, block, {}, found.data(), weighed.data()));
           weight = weighed.data();
         }
-        if (near.empty()) continue;  // all values stay 0 there
+        if (near.empty()) continue;  // all values remain 0 there
         Moments<D> whole;
         for (Size c = 0; c < near.size(); ++c) add<D>(whole, weight[c].v, nodes[near[c]], x);
         tell_surroundings<D>(block, whole, out);

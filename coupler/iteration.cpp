@@ -20,9 +20,9 @@ Eigen::Map<const Eigen::VectorXd> values(const Field& field) {
 
 WindowIteration::WindowIteration(const IterationSettings& settings, const Contract& solid)
     : settings_(settings), acceleration_(make_acceleration(settings.acceleration)) {
-  // Vector fields with consistent mapping (velocities, forces) are iterated. Scalar fields are properties of the
-  // skeleton: they follow from its motion, and extrapolating them could take them out of their bounds. Conservative
-  // amounts are handed over once, in the next window.
+  // Vector fields with consistent mapping (velocities, forces) are iterated. Scalar fields are not: they are properties
+  // of the skeleton that follow from its motion, and extrapolation could take them out of their bounds. Nor are
+  // conservative amounts, which are delivered once, in the next window.
   for (const auto& spec : solid.gives)
     if (spec.mapping == Mapping::consistent && spec.components == solid.dimension) fields_.push_back(spec.name);
 }
@@ -30,7 +30,7 @@ WindowIteration::WindowIteration(const IterationSettings& settings, const Contra
 std::optional<Snapshot> WindowIteration::next(const Snapshot& given, const Snapshot& found) {
   for (const auto& name : fields_)
     if (find(given, name).values.size() != find(found, name).values.size()) {
-      // Points have come or gone, so that the iteration starts again.
+      // Points have been added or removed, so that the iteration starts again.
       acceleration_ = make_acceleration(settings_.acceleration);
       scale_.clear();
       return found;

@@ -11,19 +11,19 @@ namespace poretwin::coupling {
 
 struct IterationSettings {
   AccelerationKind acceleration = AccelerationKind::quasi_newton;
-  double tolerance = 1e-6;  ///< for every iterated field: norm of its change by one iteration, over its norm
+  double tolerance = 1e-6;  ///< largest norm of the change of an iterated field in an iteration, over the field's norm
 };
 
-/// Number of passes through one window after which it is refused and repeated with half its length.
+/// Number of passes through one window after which the window is refused and repeated with half its length.
 inline constexpr int most_iterations = 50;
 
 class WindowIteration {
  public:
   WindowIteration(const IterationSettings& settings, const Contract& solid);
 
-  /// To be called after both sides have crossed the window: the fluid received the solid's fields `given`, and the
-  /// solid ended with `found`. Returns nothing where the iteration has converged, else the fields for the fluid's next
-  /// pass.
+  /// To be called after both sides have computed the window. `given`: the solid's fields that the fluid received.
+  /// `found`: those with which the solid ended. Returns nothing if the iteration has converged, otherwise the fields
+  /// that the fluid receives in the next pass.
   std::optional<Snapshot> next(const Snapshot& given, const Snapshot& found);
 
  private:

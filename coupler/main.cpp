@@ -66,7 +66,7 @@ Scheme scheme_of(const Case& scene) {
   return out;
 }
 
-/// What must outlive a failure, so that the summary can still be written.
+/// What must outlive an exception, so that the summary can still be written.
 struct Run {
   std::optional<Trace> trace;
   std::unique_ptr<Hub> hub;

@@ -63,7 +63,7 @@ class CloudMapping final : public SpatialMapping {
     return name == field::soil_fraction || name == field::solid_volume_fraction;
   }
 
-  /// Fields with the same mask have the same moments: there is one group per mask.
+  /// Fields are grouped by mask, since fields with the same mask share the kernel moments.
   static Inbox map_consistent(const PairBlocks<D>& pairs, const std::vector<Field>& fields,
                               std::span<const FieldSpec> specs, const PairWeights* weights) {
     std::vector<std::string> masks;
@@ -79,7 +79,7 @@ class CloudMapping final : public SpatialMapping {
       of_kind.push_back(&field_named(fields, spec.name));
     }
     auto mapped = consistent(pairs, groups, weights);
-    // A mean of fractions may leave [0, 1] by rounding.
+    // Rounding may take the mean of fractions out of [0, 1].
     for (auto& field : mapped.fields)
       if (is_fraction(field.name))
         for (auto& value : field.values) value = std::clamp(value, 0.0, 1.0);
@@ -94,7 +94,7 @@ class CloudMapping final : public SpatialMapping {
     return accounts_.back();
   }
 
-  PairBlocks<D> at_fluid_, at_solid_;  ///< pairs around the fluid's points; around the solid's
+  PairBlocks<D> at_fluid_, at_solid_;  ///< pairs around the fluid's points; pairs around the solid's points
   Sharing<D> sharing_;
   std::vector<Account> accounts_;
 };

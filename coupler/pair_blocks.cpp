@@ -128,7 +128,7 @@ double PairBlocks<D>::moved(const PointSet& of, const PointSet& around) const {
 template <int D>
 void PairBlocks<D>::prepare_search(const PointSet& of, const PointSet& around, double skin) {
   const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-  // Often one cloud moves and the other does not: the blocks and cells of a cloud that has not moved are kept.
+  // Often only one of the clouds moves: the blocks or cells of a cloud that has not moved are kept.
   if (!made_ || !around_listed_.stands(around)) {
     sort_cells(around);
     around_listed_ = {around.position, around.smoothing_length, around.volume};
@@ -149,8 +149,8 @@ void PairBlocks<D>::prepare_search(const PointSet& of, const PointSet& around, d
   finders_.resize(parts_);
 }
 
-/// Makes blocks of points that lie close together: four points of neighbouring cells two spacings wide, and never
-/// farther apart than `reach`.
+/// Makes blocks of points that lie close together: the four points come from neighbouring cells two spacings wide, and
+/// are never farther apart than `reach`.
 template <int D>
 void PairBlocks<D>::make_blocks(const PointSet& of, Size begin, Size end, double reach) {
   if (begin == end) return;
@@ -159,8 +159,8 @@ void PairBlocks<D>::make_blocks(const PointSet& of, Size begin, Size end, double
   const double spacing = std::pow(volume / static_cast<double>(end - begin), 1.0 / D);
   const auto points = all_points<D>(of, begin, end);
   sph::CellGrid<D> grid;
-  // A little less than two spacings: on a lattice, rounding must not move the first point of a cell into the one
-  // before.
+  // Slightly less than two spacings: on a lattice, rounding must not put the first point of a cell into the previous
+  // cell.
   grid.build(points, (2.0 - 1e-6) * spacing);
   Vec<D> lower, upper;
   for (const Index i : grid.order()) {
@@ -187,7 +187,7 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   const Size n = around.size();
   grid_ = {};
   if (n > 0) grid_.build(all_points<D>(around, 0, n), 0.5 * sph::support_radius * largest(around.smoothing_length));
-  for (auto& x : x_) x.resize(n + n_lanes);  // they are read four at a time
+  for (auto& x : x_) x.resize(n + n_lanes);  // allows reading four at a time
   reach_.resize(n + n_lanes);
   index_.resize(n + n_lanes);
   for (Size m = 0; m < n; ++m) {
@@ -198,7 +198,7 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   }
 }
 
-/// Writes the points of the finder's pieces that are within reach of a box to `found`; returns their number.
+/// Writes to `found` those points of the finder's pieces that are within reach of a box; returns their number.
 template <int D>
 std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own, Finder& finder) const {
   Size room = n_lanes;
@@ -221,8 +221,8 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
         max_in_place(radius, Lanes{} + own);
         radius += skin_;
         const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
-        // Every point is written, and overwritten by the next one if it is out of reach: a branch would be mispredicted
-        // too often.
+        // Every point is written. If it is out of reach, the next one overwrites it: a branch would be mispredicted too
+        // often.
         for (Size l = 0; l < n_lanes; ++l) {
           found[n] = index_[m + l];
           n += static_cast<Size>(near[l] & 1);
@@ -232,7 +232,7 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
   return n;
 }
 
-/// Appends the first n of `found` to the candidates in the caller's order, with the help of a bit per point; that is
+/// Appends the first n of `found` to the candidates in the caller's order, with the help of one bit per point. This is
 /// some five times as fast as sorting.
 template <int D>
 void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
@@ -256,7 +256,7 @@ void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
     });
 }
 
-/// Finds the candidates of one part of the blocks, as a list of its own.
+/// Finds the candidates for the blocks of one part, as a separate list.
 template <int D>
 void PairBlocks<D>::find_candidates(const PointSet& of, Size part) {
   const double longest = largest(reach_);

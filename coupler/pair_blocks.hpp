@@ -1,6 +1,6 @@
 // Neighbours of one cloud of points in another, in blocks of four points with a common list of candidates, so that sums
-// are computed for four points at once. Lists stay valid until points have moved by a margin (skin). Keeping them never
-// changes a result: candidates are in the caller's order, and those out of reach have weight exactly 0.
+// are computed for four points at once. Lists are valid until points have moved by a margin (skin). Keeping a list
+// never changes a result: candidates are in the caller's order, and those out of reach have weight exactly 0.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -15,21 +15,21 @@
 
 namespace poretwin::coupling {
 
-/// Margin (Verlet skin) added to every support radius, as a fraction of the largest one: lists stay valid until the
-/// largest displacements in both clouds sum to it. A list is vain if it served for one update only, and would have with
-/// this margin, too. After `vain_lists` such lists in a row only `no_skin` is added, against rounding: longer lists
-/// would save no rebuild.
+/// Margin (Verlet skin) added to every support radius, as a fraction of the largest radius: lists remain valid until
+/// the sum of the largest displacements in both clouds reaches it. The margin is vain if a list serves one update only,
+/// even if it has this margin. After `vain_lists` such lists in a row only `no_skin` is added, for rounding errors:
+/// longer lists would save no rebuild.
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 inline constexpr int vain_lists = 4;
 
-/// Numbers of blocks, and of points with little work each, from which several threads are worth their overhead.
+/// Least number of blocks, and of points with little work each, for which several threads are worth their overhead.
 inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
 
-/// Whose smoothing length and volume the weight of a pair uses.
+/// Whose smoothing length and volume determine the weight of a pair: the candidate's, or those of the block's point.
 enum class Kernel { of_candidate, of_block };
 
-/// Weights of all pairs of two clouds without those out of reach. Those of block b begin at blocks[b].first and end
-/// before last[b].
+/// Weights of all pairs of two clouds, except pairs out of reach. The weights of block b begin at blocks[b].first and
+/// end before last[b].
 struct PairWeights {
   std::vector<std::size_t> last;
   std::vector<Index> candidate;
@@ -39,14 +39,14 @@ struct PairWeights {
 template <int D>
 class PairBlocks {
  public:
-  /// A candidate: W(r, h) V = amplitude u^4 (5 - 4 u) with u = max(0, 1 - r shrink), the Wendland C2 kernel.
+  /// A candidate, with the Wendland C2 kernel W(r, h) V = amplitude u^4 (5 - 4 u), u = max(0, 1 - r shrink).
   struct Node {
     std::array<double, D> x;  ///< m
     double shrink;            ///< 1/m, 1 / (2 h)
     double amplitude;         ///< V times the kernel's value at r = 0
     double length;            ///< m, h
   };
-  /// Four points; in a block of fewer the free lanes repeat one.
+  /// Four points; if a block has fewer, one point is repeated in the free lanes.
   struct Block {
     std::array<Quad, D> x;
     std::array<Index, n_lanes> point;  ///< indices in the caller's order
@@ -59,8 +59,8 @@ class PairBlocks {
     PairBlocks* pairs;
     const PointSet &of, &around;
   };
-  /// Updates the blocks of all points of `of`, their candidates among all points of `around`, and the positions;
-  /// several pairs of clouds in parallel.
+  /// Updates the blocks of all points of `of`, their candidates among all points of `around`, and the positions.
+  /// Several pairs of clouds are updated in parallel.
   static void update(std::span<const Update> updates);
   void update(const PointSet& of, const PointSet& around) {
     const Update one{this, of, around};
@@ -84,7 +84,7 @@ class PairBlocks {
   /// Weights V W(r, h) at the points `of` of these blocks, which begin with the first block.
   template <Kernel K>
   void weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const;
-  /// A number that changes with every update in which anything has moved.
+  /// A number that changes with every update in which any point has moved.
   [[nodiscard]] std::uint64_t state() const { return state_; }
 
   /// A point as a candidate.
@@ -97,7 +97,7 @@ class PairBlocks {
   /// Sum of the largest displacements in both clouds since the lists were made, and of the growth of supports [m];
   /// infinite where points have been added or removed.
   [[nodiscard]] double moved(const PointSet& of, const PointSet& around) const;
-  /// Returns whether anything has moved. Where the lists are no longer valid, makes new cells and blocks and divides
+  /// Returns whether any point has moved. Where the lists are no longer valid, makes new cells and blocks and divides
   /// the blocks into `parts_`.
   bool prepare(const PointSet& of, const PointSet& around);
   void prepare_search(const PointSet& of, const PointSet& around, double skin);
@@ -110,7 +110,7 @@ class PairBlocks {
   /// Working memory of one part in the search for candidates, and the candidates found.
   struct alignas(64) Finder {
     std::vector<Index> found;
-    /// A bit for each point found, and one for each word with such bits: reading them gives the caller's order.
+    /// One bit for each point found, and one for each word with such bits: scanning them gives the caller's order.
     std::vector<std::uint64_t> bits, words;
     std::vector<std::pair<Index, Index>> pieces;
     std::vector<Index> candidate;
@@ -129,23 +129,23 @@ class PairBlocks {
     std::vector<double> position, length, volume;
     [[nodiscard]] bool stands(const PointSet& now) const;
   };
-  Then of_listed_, around_listed_;  ///< when the lists were made
-  Then of_last_, around_last_;      ///< at the last update
-  bool made_ = false;               ///< lists exist
-  bool served_ = false;             ///< they were kept in an update in which something had moved
+  Then of_listed_, around_listed_;  ///< state when the lists were made
+  Then of_last_, around_last_;      ///< state at the last update
+  bool made_ = false;               ///< whether lists exist
+  bool served_ = false;             ///< whether the lists were kept in an update in which points had moved
   int in_vain_ = 0;                 ///< number of lists in a row for which the margin saved nothing
   double skin_ = 0.0;               ///< m
   std::uint64_t state_ = 0;
-  sph::CellGrid<D> grid_;  ///< cells of `around`; in their order:
+  sph::CellGrid<D> grid_;  ///< cells of `around`; in the order of cells:
   std::array<std::vector<double>, D> x_;
   std::vector<double> reach_;  ///< m, radius of support
   std::vector<Index> index_;   ///< index in the caller's order
-  std::size_t parts_ = 0;      ///< parts of the blocks in a search; 0: the lists are valid
+  std::size_t parts_ = 0;      ///< parts of the blocks in the present search; 0: lists are valid
   std::vector<Finder> finders_;
 };
 
-/// V W(|x_i - x_j|, h) of one candidate j for the four points i of a block. h and V are the candidate's (numbers) or
-/// those of the points (lanes).
+/// V W(|x_i - x_j|, h) of one candidate j for the four points i of a block. h and V are either the candidate's (two
+/// numbers) or those of the points (lanes).
 template <int D, class Value>
 [[gnu::always_inline]] inline void weigh(const typename PairBlocks<D>::Node& node, const std::array<Quad, D>& x,
                                          const Value& shrink, const Value& amplitude, Lanes& weight) {

@@ -11,8 +11,8 @@ using Size = std::size_t;
 using Partners = std::vector<Index>;
 
 constexpr Index nobody = static_cast<Index>(-1);
-/// Largest distance, in smoothing lengths, of two points that are the same particle. Rounding and the initial
-/// settlement move a point by far less; particles are most of one smoothing length apart.
+/// Largest distance, in smoothing lengths, of two points that count as the same particle. Rounding and the initial
+/// settlement move a point by far less; the distance between particles is most of a smoothing length.
 constexpr double close = 0.2;
 
 template <int D>

@@ -16,7 +16,7 @@ namespace {
 
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
-/// Digest of all parts of a publication on which the rest of a run can depend.
+/// Digest of all parts of a publication that can influence the rest of a run.
 std::uint64_t digest_of(const Snapshot& snapshot) {
   Snapshot copy = snapshot;
   PointSet points = *snapshot.points;
@@ -83,7 +83,7 @@ class Schedule::Implementation {
   }
 
  private:
-  /// The last publication of one side, shared with the copies to which it may be restored.
+  /// The last publication of one side, shared with the copies that a restore may need.
   using State = std::shared_ptr<const Snapshot>;
   State& now(Role role) { return role == Role::fluid ? fluid_ : solid_; }
 
@@ -113,7 +113,7 @@ class Schedule::Implementation {
     }
   }
 
-  /// Writes or reads the coupler's own state. Of the participants' publications it contains only digests, since the
+  /// Writes or reads the coupler's own state. It contains only digests of the participants' publications, since the
   /// participants publish again when they resume.
   void archive(Archive& archive) {
     std::uint64_t fluid = 0, solid = 0;
@@ -125,8 +125,8 @@ class Schedule::Implementation {
     if (archive.loading()) digests_ = {fluid, solid};
   }
 
-  /// Both participants write their state. The checkpoint is valid once the coupler has written its own file, as the
-  /// last.
+  /// Lets both participants write their state. The checkpoint is valid once the coupler has written its own file, the
+  /// last of the three.
   void checkpoint() {
     const Span span(report_.checkpointing, trace_, "checkpointing");
     const std::string name = checkpoint_schedule_.name(step_);
@@ -187,7 +187,7 @@ class Schedule::Implementation {
     const auto accounts = mapping_->accounts();
     double limit = std::min(fluid_->proposed_interval, solid_->proposed_interval);
     const bool by_fluid = fluid_->proposed_interval <= solid_->proposed_interval;
-    const std::string cause = by_fluid ? fluid_->limited_by : solid_->limited_by;  // copied, as the window changes it
+    const std::string cause = by_fluid ? fluid_->limited_by : solid_->limited_by;  // copied: the window changes it
     std::string refused;
     iteration_ = 0;
     for (int attempt = 0;; ++attempt) {
@@ -216,7 +216,7 @@ class Schedule::Implementation {
     }
   }
 
-  /// Tries one window. Returns nothing where it is accepted, else the refusal, after both sides have been restored.
+  /// Tries one window. Empty where it is accepted; otherwise the refusal, after both sides have been restored.
   std::optional<Reject> try_window(const WindowClock::Plan& plan,
                                    const std::vector<SpatialMapping::Account>& accounts) {
     fluid_limit_ = fluid_->proposed_interval;
@@ -228,7 +228,7 @@ class Schedule::Implementation {
     const auto* const settings = std::get_if<IterationSettings>(&scheme_);
     if (!settings) return pass(plan, fluid_start, solid_start, nullptr);
     WindowIteration iteration(*settings, broker_.contract(Role::solid));
-    std::optional<Snapshot> given;  // the solid's fields for the fluid; absent in the first pass
+    std::optional<Snapshot> given;  // the solid's fields that the fluid receives; absent in the first pass
     for (int k = 0; k < most_iterations; ++k) {
       if (auto rejection = pass(plan, fluid_start, solid_start, given ? &*given : nullptr)) return rejection;
       given = iteration.next(given ? *given : *solid_start, *solid_);
@@ -245,7 +245,7 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Crosses a window by the serial scheme, and repeats it until the solid moves as the fluid predicted.
+  /// Computes a window by the serial scheme, and repeats it until the solid moves as the fluid predicted.
   std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                                const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
     State found;
@@ -269,7 +269,7 @@ class Schedule::Implementation {
     }
   }
 
-  /// One pass through both solvers at the same time: each receives the other's state at the window's start, and the
+  /// One pass with both solvers at the same time: each receives the other's state at the window's start, with the
   /// amounts that the other gave in the last window.
   std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const State& fluid_start,
                                      const State& solid_start) {
@@ -286,8 +286,8 @@ class Schedule::Implementation {
     return rejection;
   }
 
-  /// One pass through both solvers, the fluid first. `solid_end`: the solid's fields at the window's end that the fluid
-  /// receives; nullptr: it receives those of the window's start only.
+  /// One pass with both solvers, the fluid first. `solid_end`: the solid's fields at the window's end that the fluid
+  /// receives; if nullptr, the fluid receives only the fields at the window's start.
   std::optional<Reject> pass(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;
@@ -319,8 +319,8 @@ class Schedule::Implementation {
     return answer(role, plan);
   }
 
-  /// Sends ADVANCE to one side. `start` (may be nullptr) and `end`: the other side's state at the ends of the window;
-  /// `amounts`: the other side's state whose conservative amounts are given.
+  /// Sends ADVANCE to one side. `start` (may be nullptr) and `end`: the other side's state at the start and the end of
+  /// the window; `amounts`: the state of the other side from which conservative amounts are taken.
   void order(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
              const Snapshot& amounts) {
     Message message;
@@ -332,7 +332,7 @@ class Schedule::Implementation {
     send_mapped(role, std::move(message), start, end, amounts);
   }
 
-  /// Waits for the answer of one side: its refusal, or nothing where it has crossed the window.
+  /// Waits for the answer of one side: its refusal; empty where it has computed the window.
   std::optional<Reject> answer(Role role, const WindowClock::Plan& plan) {
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
@@ -384,8 +384,8 @@ class Schedule::Implementation {
     broker_.send(role, std::move(message));
   }
 
-  /// Maps the other side's fields to this side's points. Fields with `in_time` are also mapped from the window's start,
-  /// when the other side's points may have been elsewhere.
+  /// Maps the other side's fields to this side's points. Fields with `in_time` are also mapped from the state at the
+  /// window's start, when the other side's points may have been elsewhere.
   Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
     const Span span(report_.mapping, trace_, "mapping");
     const Role giver = other(role);
@@ -395,7 +395,7 @@ class Schedule::Implementation {
       (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
       if (start && spec.in_time && spec.mapping == Mapping::consistent) in_time.push_back(spec);
     }
-    // The start is mapped first: the pair lists are still valid for its points, those of the last window's end.
+    // The start is mapped first, since the pair lists of the last window's end are still valid for its points.
     std::vector<Field> at_start;
     if (!in_time.empty()) at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
@@ -409,7 +409,7 @@ class Schedule::Implementation {
     return inbox;
   }
 
-  /// The fields that the fluid takes from the solid's last pass when a window is repeated.
+  /// The fields of the solid's last pass that the fluid receives in a repeated window.
   [[nodiscard]] std::vector<FieldSpec> found_wanted() const {
     std::vector<FieldSpec> wanted;
     for (const auto& spec : broker_.contract(Role::fluid).takes)
@@ -443,8 +443,8 @@ class Schedule::Implementation {
   State fluid_, solid_;
   std::uint64_t step_ = 0;  ///< number of accepted windows
   std::uint32_t iteration_ = 0;
-  unsigned pass_ = 0;                ///< pass of the Settled scheme through this window
-  const Snapshot* found_ = nullptr;  ///< in repeated windows, the solid at the end of its last pass
+  unsigned pass_ = 0;                ///< passes of the Settled scheme through this window so far
+  const Snapshot* found_ = nullptr;  ///< in repeated windows, the solid's state at the end of its last pass
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;
   ScheduleReport report_;

@@ -1,5 +1,5 @@
 // Conservative mapping: amounts are distributed with balanced weights. The weights are stored twice, by giver and by
-// receiver, so that sums over either run four at a time and in an order that does not depend on the pair lists.
+// receiver, so that both sums are computed four at a time and in an order that does not depend on the pair lists.
 #include "common/core/error.hpp"
 #include "common/core/in_lanes.hpp"
 #include "coupler/mapping.hpp"
@@ -31,11 +31,11 @@ void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairW
       });
 }
 
-/// Givers and receivers of one field, and a factor (scale) on the weights of each receiver.
+/// Givers and receivers of one field, with a factor (`scale`) on the weights of each receiver.
 template <int D>
 class Shares {
  public:
-  /// Both sets of weights are by the receivers' kernels: by_giver at the givers' points, by_receiver at the receivers'.
+  /// All weights use the receivers' kernels: by_giver at the givers' points, by_receiver at the receivers' points.
   Shares(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PairWeights& by_giver,
          const PairWeights& by_receiver, const PointSet& givers, const PointSet& receivers, const Field& amounts)
       : at_givers_(at_givers),
@@ -53,9 +53,9 @@ class Shares {
     std::fill_n(scale_.begin(), receivers.n_active, 1.0);
   }
 
-  /// Finds the factors with which an even distribution over the givers arrives evenly, however disordered the points
-  /// are: each receiver then gets its own volume of the givers' volumes (Sinkhorn 1967). Only receivers inside the
-  /// cloud of the givers are balanced; at its edge the kernel's weights are kept.
+  /// Finds factors with which an even distribution over the givers arrives evenly, however disordered the points are:
+  /// of the givers' total volume each receiver then gets a share equal to its own volume (Sinkhorn 1967). Only
+  /// receivers inside the cloud of the givers are balanced; at its edge the weights remain those of the kernel.
   void balance() {
     const auto wanted = wanted_inside();
     std::vector<double> part(givers_.size(), 0.0);
@@ -69,7 +69,7 @@ class Shares {
     }
   }
 
-  /// For every active giver, passes the sum of the receivers' scaled weights to take(giver, sum).
+  /// Passes the sum of the receivers' scaled weights to take(giver, sum), for every active giver.
   template <class Take>
   void weigh_receivers(const Take& take) {
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
@@ -80,8 +80,8 @@ class Shares {
                    [&](Size i, const auto& total, Size lane) { take(i, total[0].v[lane]); });
   }
 
-  /// Computes sum_i w_ij value_i for the active receivers j, including the parts of their ghosts; K values per point,
-  /// without the factors.
+  /// Computes sum_i w_ij value_i for the active receivers j, without the factors but with the parts of their ghosts. A
+  /// point has K values.
   template <Size K>
   void receive(const std::vector<double>& value, std::vector<double>& got) const {
     multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, [&](Size j, const auto& total, Size lane) {
@@ -134,7 +134,7 @@ class Shares {
     return wanted;
   }
 
-  /// Multiplies each factor by the wanted over the received volume; returns the largest relative change.
+  /// Multiplies each factor by the ratio of wanted to received volume; returns the largest relative change.
   double rescale(const std::vector<double>& wanted) {
     Quad worst{};
     run_lanes([&]() __attribute__((always_inline)) {
@@ -163,11 +163,11 @@ class Shares {
   const PairWeights &by_giver_, &by_receiver_;
   Size components_;
   std::vector<double> size_;   ///< [givers] sum of the absolute values of the components; 0: nothing given
-  std::vector<double> scale_;  ///< [receivers, padded] factors; a ghost has its owner's
+  std::vector<double> scale_;  ///< [receivers, padded] factors; a ghost has the factor of its owner
   std::vector<double> got_;    ///< [receivers, padded] received volume, without the factors
 };
 
-/// Distributes the amounts, and the carried amounts in the same proportions.
+/// Distributes the amounts, and in the same proportions the amounts carried over from earlier windows.
 template <int D, Size Components>
 Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& receivers, const Field& amounts,
                    std::span<const double> carried) {

@@ -28,7 +28,7 @@ Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector
       faces_(scene, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {
   walls_.expect_before(state_.particles.position);
-  // The soil searches for its initial equilibrium under the pressure that is published before the first exchange.
+  // The soil searches for its initial equilibrium under this pressure, published before the first exchange.
   auto view = rigid_soil<D>(setup_.ground, state_.particles.position, setup_.drag);
   solve_hydrostatic(setup_, walls_, view, state_);
 }
@@ -59,7 +59,7 @@ std::pair<double, std::string> Fluid<D>::proposal() const {
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  const SeepageRegime regime{setup_.density, quasi_static_speed(setup_), true};  // no window has been computed yet
+  const SeepageRegime regime{setup_.density, quasi_static_speed(setup_), true};  // no window has been computed so far
   auto view = see_soil(setup_, state_, inbox, regime);
   fill_pores(setup_, view, p);
   if (setup_.coupled) fit_columns_to_pores(setup_, state_);
@@ -78,12 +78,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   const double dt = window.interval, end = window.time + dt;
   const double proposed = setup_.is_projection() ? dt : proposal().first;
 
-  // The soil, the boundaries, and the first half of the motion.
+  // The soil as the water sees it, the boundaries, and the first half of the motion.
   const auto regime = seepage_regime(setup_, dt);
   auto view = see_soil(setup_, state_, inbox, regime);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
-  if (setup_.coupled) velocity_before = p.velocity;  // the soil's impulse changes it
+  if (setup_.coupled) velocity_before = p.velocity;  // kept, since the soil's impulse changes the velocity
   fit_pores(setup_, view, p);
   set_regimes(view, regime, p);
   set_inlets(setup_, faces_, window.time, dt, state_);
@@ -92,7 +92,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   push_pistons(0.5 * dt);
   drift(setup_, walls_, dt, p);
 
-  // Neighbours, the surface, and the impulse that the soil returns.
+  // Neighbours, the water's surface, and the impulse that the soil returns.
   auto s = water_stencil(setup_, walls_, state_);
   ++state_.counts.stencils;
   flow_together(setup_, s, p);
@@ -113,8 +113,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto forced = forced_velocity<D>(setup_, state_, s, view, gradient, dt);
   in.source = volume_source<D>(setup_, state_, s, view, gradient, dt);
   const bool explicit_drag = setup_.scheme == FluidCase::Scheme::eisph_explicit_drag;
-  const bool returns = view.nonlinear() || explicit_drag;  // the drag about the window's initial relative velocity is
-                                                           // used again after the solve
+  const bool returns = view.nonlinear() || explicit_drag;  // the drag for the window's initial relative velocity is
+                                                           // needed again after the solve
   const ScalarArray drag = returns ? view.drag : ScalarArray();
   VecArray<D> drag_of_prediction;
   if (explicit_drag) drag_of_prediction = apply_drag(setup_, p, dt, view, forced);
@@ -123,7 +123,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   if (!passes_.pressure().empty()) in.pressure = p.pressure;
   in.sections = solved_sections(setup_, state_);
 
-  // The solve, and the fields that the soil needs of its result.
+  // The solve, and the fields that the soil needs from its result.
   const auto out = solve_with_drag(setup_, s, in, passes_, view, state_);
   check_finite(state_, out, window.time);
   const ScalarArray pressure_before = p.pressure;
@@ -140,7 +140,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   if (asks_for(setup_.gauges, "fluid", "unexplained_impulse")) count_impulse(setup_, walls_, dt, state_);
   if (setup_.coupled) store_change_of_soil(window.pass > 0 ? passes_.found() : view.velocity, p);
 
-  // The next window, the second half of the motion, and the water that enters and leaves.
+  // Limits of the next window, the second half of the motion, and the water that enters and leaves.
   limit_next_window(view, window, pressure_before, velocity_before);
   ScalarArray came(state_.faces.size(), 0.0);
   advance_columns(setup_, walls_.sight, s, view, out, dt, state_, came);
@@ -168,8 +168,8 @@ template <int D>
 void Fluid<D>::limit_next_window(const SoilView<D>& view, const coupling::Window& window,
                                  const ScalarArray& pressure_before, const VecArray<D>& velocity_before) {
   const double dt = window.interval;
-  // Soil that was dry and cannot yield is stable with windows of any length; control by its noisy pressure would only
-  // shorten them.
+  // Soil that was dry and cannot yield is stable in windows of any length. Control of the window by the noisy pressure
+  // there would only shorten windows.
   if (state_.controlled <= 0.0 && setup_.soil_yields) begin_control(setup_, view, dt, state_, first_interval_);
   if (load_begins(setup_, window.time)) begin_control(setup_, view, 0.0, state_, first_interval_);
   control_interval(setup_, pressure_before, dt, first_interval_, state_);

@@ -1,4 +1,4 @@
-// The fluid phase behind the Phase interface: one window at a time, with water as particles.
+// The fluid phase behind the Phase interface: it computes one window at a time, with water as particles.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -13,9 +13,9 @@ namespace poretwin::fluid {
 template <int D>
 class Fluid final : public Phase {
  public:
-  /// domain: the part of the water that this process computes; the case's regions of water are those of this part.
+  /// domain: the part of the water that this process computes; the case contains only this part's regions of water.
   explicit Fluid(const Case& scene, const Domain& domain = {}) : Fluid(scene, make_water_boundaries(scene), domain) {}
-  /// boundaries: those of the case's water faces, in their order, used in place of the ones that their keys describe.
+  /// boundaries: those of the case's water faces, in their order. They replace the ones that the faces' keys describe.
   Fluid(const Case& scene, WaterBoundaries boundaries, const Domain& domain = {})
       : Fluid(scene, std::move(boundaries), water_lattices<D>(scene), domain) {}
 
@@ -43,7 +43,7 @@ class Fluid final : public Phase {
 
  private:
   Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices, const Domain& domain);
-  /// Moves the pistons by their speed over an interval [s], and the walls with them.
+  /// Moves the pistons by their speed over an interval [s], and the walls together with them.
   void push_pistons(double interval);
   /// Derives limits of the next window from this one. pressure_before, velocity_before: values at this window's start.
   void limit_next_window(const SoilView<D>& view, const coupling::Window& window, const ScalarArray& pressure_before,
@@ -53,7 +53,7 @@ class Fluid final : public Phase {
   State<D> state_, saved_;
   Faces<D> faces_;
   Walls<D> walls_;
-  double first_interval_ = 0.0;  ///< s, first window beside soil that moves; 0: not known yet
+  double first_interval_ = 0.0;  ///< s, length of the first window beside soil that moves; 0: not known yet
   Passes<D> passes_;             ///< of the present window
 };
 

@@ -1,4 +1,4 @@
-// Regimes of water in soil: whether the drag dominates its motion, or it moves as free water does.
+// Regimes of water in soil: either drag dominates the water's motion, or the water moves as free water does.
 #pragma once
 
 #include "fluid_solver/exchange/soil_view.hpp"
@@ -7,7 +7,7 @@
 
 namespace poretwin::fluid {
 
-/// The quantities that decide about the regime in a window of this length [s].
+/// The quantities that determine the regime in a window of `interval` [s].
 template <int D>
 SeepageRegime seepage_regime(const Setup<D>& setup, double interval) {
   return {setup.density, quasi_static_speed(setup), interval > wave_interval(setup)};
@@ -21,14 +21,14 @@ void set_regimes(const SoilView<D>& view, const SeepageRegime& regime, Particles
   });
 }
 
-/// Whether drag dominates the motion of particle a, and not inertia.
+/// Whether drag, not inertia, dominates the motion of particle a.
 template <int D>
 bool is_drag_dominated(const Setup<D>& setup, const Particles<D>& p, const SoilView<D>& view, std::size_t a) {
   return view.mask[a] > 0.5 && !inertia_rules(p.void_fraction[a], setup.density, view.drag[a],
                                               spacing_of<D>(p.volume[a]), setup.weight.norm() / setup.density);
 }
 
-/// Whether all water is in the seepage regime and dominated by drag, so that none moves as free water does.
+/// Whether all water is in the seepage regime and dominated by drag, so that no water moves as free water does.
 template <int D>
 bool all_quasi_static(const Setup<D>& setup, const Particles<D>& p, const SoilView<D>& view) {
   return parallel_all(view.size(),
@@ -36,8 +36,8 @@ bool all_quasi_static(const Setup<D>& setup, const Particles<D>& p, const SoilVi
 }
 
 /// Takes a particle out of the seepage regime where most of the water in the soil around it is not in that regime (in
-/// short windows only). Its gradient would otherwise ignore the free surface beside it, while the skeleton there
-/// yields: in a pocket of a run-out of tailings this made a pressure of 5 MPa in one window.
+/// short windows only). Otherwise its gradient would ignore the free surface beside it, while the skeleton there
+/// yields: in a pocket of tailings that run out this made a pressure of 5 MPa in one window.
 template <int D>
 void flow_together(const Setup<D>& setup, const Stencil<D>& s, Particles<D>& p) {
   const auto in_soil = [&](std::size_t a, bool seeping) {

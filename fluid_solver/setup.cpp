@@ -14,8 +14,8 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// The box around everything in the case except planes, widened on all sides by its diagonal, by ten diagonals where
-/// there are planes; unbounded along periodic axes.
+/// The box around everything in the case except planes. It is widened on all sides by its diagonal, or by ten diagonals
+/// if the case has planes, and unbounded along periodic axes.
 template <int D>
 std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
   Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
@@ -28,7 +28,7 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
     enclose(lo);
     enclose(hi);
   };
-  // A face that is a plane has no end points, and water before it may reach far beyond the rest: hence the wide box.
+  // A face given as a plane has no ends, and water in front of it may reach far beyond the rest: hence the wide box.
   bool endless = false;
   const auto enclose_face = [&](const Face& face) {
     for (const auto& x : face.points) enclose(x);
@@ -164,7 +164,7 @@ State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBounda
   state.inlets = make_inlets<D>(scene, boundaries);
   state.columns = make_columns<D>(scene, setup.ground);
   begin_bodies(setup, state);
-  // Points that lie on a face of soil, within rounding, belong to the soil.
+  // Points that lie on a face of soil, to within rounding, belong to the soil.
   const ColumnFinder<D> finder(state.columns);
   for (std::size_t a = 0; a < p.size(); ++a)
     if (const int i = finder.nearest(p.position[a]); i >= 0) {

@@ -1,5 +1,5 @@
-// The parts of a case that the water needs: numbers, flags and geometry, made once. Functions of a window do not read
-// the case.
+// The parts of a case that the water needs: numbers, flags and geometry, computed once. The functions that compute a
+// window do not use the case.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,25 +10,25 @@
 
 namespace poretwin::fluid {
 
-/// A load on the soil, as far as the length of windows depends on it.
+/// A load on the soil: the properties on which the length of windows depends.
 struct LoadInTime {
   std::optional<double> start;   ///< s, time at which the load begins to act; absent: it acts from the beginning
   std::optional<Series> factor;  ///< factor on the traction against time [s]; absent: 1
   double traction = 0.0;         ///< Pa
 };
 
-/// A straight piece of a wall with water beside it (2D); the domain lies on its left.
+/// A straight piece of a wall with water beside it (2D). The domain lies on the left of the piece.
 template <int D>
 struct PressedWall {
   Vec<D> from, to;          ///< m
-  bool both_sides = false;  ///< water may press on its right as well
+  bool both_sides = false;  ///< water may also press on the right
 };
 
 /// Lattices of particles in the case's regions of water, in their order.
 template <int D>
 std::vector<Lattice<D>> water_lattices(const Case& scene);
 
-/// Properties of the water that stay constant during a run. lattices: see water_lattices; those of this domain.
+/// Properties of the water that stay constant during a run. lattices: the part of water_lattices in this domain.
 template <int D>
 struct Setup {
   Setup(const Case& scene, std::span<const Lattice<D>> lattices, const Domain& here = {});
@@ -46,7 +46,7 @@ struct Setup {
   /// Specific weight of water [N/m3] along bounded axes, where gravity has a potential; gravity [m/s2] along periodic
   /// axes.
   Vec<D> weight = Vec<D>::Zero(), periodic_gravity = Vec<D>::Zero();
-  Vec<D> origin = Vec<D>::Zero();  ///< m, datum of the piezometric pressure: on the highest water at first
+  Vec<D> origin = Vec<D>::Zero();  ///< m, datum of the piezometric pressure: initially on the highest water
   Vec<D> lower, upper;             ///< m, box beyond which water is lost
   std::vector<int> periodic;       ///< periodic axes
   Point3 periodic_lower = Point3::Zero(), periodic_length = Point3::Zero();  ///< m, along the periodic axes
@@ -54,20 +54,20 @@ struct Setup {
   FluidCase::Scheme scheme = FluidCase::Scheme::projection;
   int sweeps = 1;                            ///< number of sweeps of explicit schemes
   std::optional<double> pressure_tolerance;  ///< relative; absent: as the case requires
-  bool coupled = false;                      ///< the soil is a phase of its own
+  bool coupled = false;                      ///< the soil is computed as a separate phase
   bool responds = false;                     ///< the skeleton responds inside the pressure solve
-  bool computes_beside = false;              ///< the soil crosses each window at the same time (parallel scheme)
+  bool computes_beside = false;              ///< the soil is computed at the same time as the water (parallel scheme)
   bool soil_yields = false;                  ///< some soil moves and can yield
   bool drag = true;                          ///< the phases exert drag on each other
   std::optional<SmoothedDrag<D>> smoothed_drag;
 
   Ground<D> ground;
   bool one_soil = true;                       ///< all soils have one conductivity
-  std::uint32_t no_slip = 0, fixed_soil = 0;  ///< walls, one bit each: no slip of water; soil fixed
+  std::uint32_t no_slip = 0, fixed_soil = 0;  ///< walls (one bit for each): no slip of water; soil fixed
   std::vector<Joint<D>> joints;
   std::vector<LoadInTime> loads;
 
-  std::string digest;  ///< of the case, which both solvers must agree on
+  std::string digest;  ///< of the case; both solvers must have the same
   std::vector<Gauge> gauges;
   std::vector<std::string> face_names;
   std::vector<PressedWall<D>> pressed_walls;

@@ -1,4 +1,4 @@
-// All quantities of the fluid that change in time, as one value, so that saving is a copy.
+// All quantities of the fluid that change in time, as one value, so that a copy saves them.
 #pragma once
 
 #include "common/core/or_zero.hpp"
@@ -20,37 +20,37 @@ struct Particles {
   ScalarArray volume;               ///< bulk volume V = m / (n rho), m^D
   ScalarArray pressure;             ///< piezometric pressure, Pa
   OrZero<Vec<D>> solid_velocity;    ///< predicted velocity v_s' of the skeleton, m/s
-  OrZero<Vec<D>> solid_change;      ///< change of that velocity in the window, v_s' - v_s, m/s
+  OrZero<Vec<D>> solid_change;      ///< change of solid_velocity in the window, v_s' - v_s, m/s
   OrZero<Vec<D>> drag_impulse;      ///< drag impulse on the soil in the last window, N s
   OrZero<double> surface_share;     ///< 1: in moving soil, beside its free surface
-  OrZero<double> spreading;         ///< 1/s, expansion that repairs the packing and takes the soil along
-  OrZero<Vec<D>> surface_gradient;  ///< gradient of the total pressure at that surface, Pa/m
+  OrZero<double> spreading;         ///< 1/s, expansion that repairs the packing and displaces the soil with the water
+  OrZero<Vec<D>> surface_gradient;  ///< gradient of the total pressure at the soil's free surface, Pa/m
   /// Force of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> coupling_force;
-  /// The same force at the end of the window before: in the parallel scheme the soil has received only that one.
+  /// coupling_force one window earlier: in the parallel scheme the soil has received only this earlier force.
   OrZero<Vec<D>> previous_coupling_force;
-  /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
-  /// drag passes on to the water.
+  /// C / (a + C) in the last window: where the skeleton's velocity departs from its prediction, the fraction of the
+  /// departure that drag transfers to the water.
   OrZero<double> entrained_fraction;
-  ScalarArray wave_speed;  ///< m/s, of long waves on the body of water that the particle belonged to first, or of a
+  ScalarArray wave_speed;  ///< m/s, of long waves on the body of water to which the particle first belonged, or of a
                            ///< drop in its central force
   ScalarArray mask;        ///< soil membership
   std::vector<char> goes_with_soil;  ///< 1: came with soil that can leave its place together with its faces; 0: can
                                      ///< become free water
-  std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: moves and has a surface as free water
-  /// 1 + index of the soil that it was in when its pressure and velocity were computed; 0: none, or it is new. Where
-  /// the soil is at rest and has several conductivities.
+  std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: moves and has a surface as free water does
+  /// 1 + index of the soil in which the particle was when its pressure and velocity were computed; 0: in no soil, or
+  /// new. Used where the soil is at rest and has several conductivities.
   OrZero<int> soil;
-  OrZero<int> closed_body;     ///< number from 1 of the body of water that it belongs to, if only walls surround that
-                               ///< body; else 0
+  OrZero<int> closed_body;     ///< number from 1 of the particle's body of water if only walls surround this body; else
+                               ///< 0
   OrZero<double> void_volume;  ///< m^D, volume of voids in the water, opened by cavitation
-  /// Volumetric strains of the soil that have not been applied to the water yet. deferred_strain: by its motion beyond
-  /// the predicted one. unseen_strain: what the solid reports beyond the divergence of its mapped velocity; unseen_rate
-  /// [1/s]: the rate at which unseen_strain is applied now.
+  /// Volumetric strains of the soil that are not yet applied to the water. deferred_strain: from the soil's motion
+  /// beyond the predicted motion. unseen_strain: strain that the solid reports beyond the divergence of its mapped
+  /// velocity; unseen_rate [1/s]: rate at which unseen_strain is being applied.
   OrZero<double> deferred_strain, unseen_strain, unseen_rate;
-  VecArray<D> birthplace;  ///< m, where the particle was born: one that has not moved since needs no repair of its
-                           ///< packing
-  ScalarArray row;         ///< thickness of the row of surface particles that it lies in, in spacings
+  VecArray<D> birthplace;  ///< m, where the particle was born: a particle that has not moved since needs no repair of
+                           ///< its packing
+  ScalarArray row;         ///< thickness, in spacings, of the row of surface particles in which it lies
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
@@ -90,8 +90,8 @@ struct Particles {
     visit_if_there(unseen_strain);
   }
 
-  /// Reserves memory for n particles, and for a sixteenth more where others may come. Arrays that grow by doubling
-  /// would be half empty, and arrays that are reallocated one by one fragment the memory.
+  /// Reserves memory for n particles, and for a sixteenth more where others may enter. Arrays that grow by doubling
+  /// would be half empty, and arrays that are reallocated separately fragment the memory.
   void reserve(std::size_t n, bool others_come) {
     const std::size_t room = others_come ? n + n / 16 + 16 : n;
     for_each_array([room](auto& array) { array.reserve(room); });
@@ -122,7 +122,7 @@ struct Particles {
       array->grow();
   }
 
-  /// Keeps the particles for which keep[a], in order.
+  /// Keeps the particles for which keep[a] holds, in their order.
   void filter(const std::vector<bool>& keep) {
     for_each_array([&keep](auto& array) {
       std::size_t to = 0;
@@ -137,11 +137,11 @@ struct Particles {
 struct Counts {
   double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
          stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
-  double cavitating = 0, first_cavitation = 0;  ///< largest number of cavitating particles at a time; s, time of the
-                                                ///< first
+  double cavitating = 0, first_cavitation = 0;  ///< largest number of particles that cavitated at one time; s, time of
+                                                ///< the first cavitation
 };
 
-/// Volumes of water that have come in and gone out through faces, and the volume at the start [m^D].
+/// Volumes of water that have entered and left through faces, and the initial volume [m^D].
 struct Balance {
   double in = 0.0, out = 0.0, initial = 0.0;
 };
@@ -153,7 +153,7 @@ struct Exchanged {
                                          ///< returned impulse
   double drag_work = 0.0;                ///< J, work of the drag on both phases
   Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure of walls; summed only where a gauge
-                                         ///< reads it
+                                         ///< needs it
 };
 
 template <int D>
@@ -161,32 +161,32 @@ struct State {
   double time = 0.0;
   double last_interval = 0.0;        ///< s
   double usual_interval = 0.0;       ///< s, mean length of the last windows
-  double deferred_strain_due = 0.0;  ///< s, time left in which the particles' deferred strain is to be applied
+  double deferred_strain_due = 0.0;  ///< s, time that remains to apply the particles' deferred strain
   double pressure_change = 0.0;      ///< rms change of the pressure in the last window, over the pressure's range
   double widest_range = 0.0;         ///< Pa, widest range of the piezometric pressure so far
-  double controlled = 0.0;           ///< s, window that the control of the pressure's change allows next; 0: not
-                                     ///< started
+  double controlled = 0.0;           ///< s, next window that the control by the change of pressure allows; 0: control
+                                     ///< not started
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
-  bool full = false;       ///< all soil is at rest and has been full of water from the start, and all faces are wet: no
-                           ///< surface can form
-  bool multigrid = false;  ///< the last pressure solve took multigrid more than a few cycles
+  bool full = false;       ///< all soil is at rest and full of water from the start, and all faces are wet: no surface
+                           ///< can form
+  bool multigrid = false;  ///< the last pressure solve needed more than a few cycles of multigrid
   std::vector<FaceState> faces;
   std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;
   Balance balance;
   Exchanged<D> exchanged;
   /// [gauges of kind discharge, in the case's order] m2/s, flow in the last window; empty where the pressure does not
-  /// drive all of it.
+  /// drive the whole flow.
   ScalarArray section_flow;
 };
 
-/// Whether the pressure alone drives the water: in several soils at rest that are full of it. Flow without a surface
-/// follows the heads within n rho_w / C (40 ms in gravel of k = 0.2 m/s), so that its inertia decides nothing. But the
-/// velocity jumps where one soil conducts more than the next, and the divergence of a momentum that jumps is wrong: in
-/// a drain of such gravel up to half of its discharge came from nowhere.
+/// Whether the pressure alone drives the water: in several soils at rest that are full of water. Flow without a surface
+/// follows the heads within n rho_w / C (40 ms in gravel of k = 0.2 m/s), so that its inertia is negligible. But at a
+/// border between soils of different conductivity the velocity jumps, and the divergence of a momentum that jumps is
+/// wrong: with inertia, up to half of the discharge of a drain of such gravel came from nowhere.
 template <int D>
 bool is_driven_by_pressure(const Setup<D>& setup, const State<D>& state) {
   return state.full && !setup.one_soil && setup.drag;

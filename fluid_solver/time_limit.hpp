@@ -6,7 +6,7 @@
 
 namespace poretwin::fluid {
 
-/// A bound on the next window and what sets it.
+/// A bound on the next window and the reason for it.
 struct TimeLimit {
   double interval = HUGE_VAL;  ///< s
   std::string reason;

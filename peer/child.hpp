@@ -13,15 +13,15 @@ namespace poretwin::peer {
 
 class Child {
  public:
-  /// Starts the command; its first word is looked up in PATH. Its output goes to `log`, or where that is empty to this
-  /// process's.
+  /// Starts the command; its first word is looked up in PATH. The command's output goes to the file `log`; if `log` is
+  /// empty, to the output of this process.
   explicit Child(const std::vector<std::string>& command, const std::filesystem::path& log = {});
   /// Kills the process (SIGKILL) if it still runs.
   ~Child();
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Exit code, or 128 + n after signal n; nothing while it runs.
+  /// Exit code, or 128 + n after signal n; empty while the process runs.
   std::optional<int> ended();
   std::optional<int> wait(std::chrono::milliseconds patience);
   void signal(int number);
@@ -31,7 +31,7 @@ class Child {
   std::optional<int> code_;
 };
 
-/// A temporary folder for sockets, whose paths must be short; it is removed with its content.
+/// A temporary folder for sockets, whose paths must be short. It is removed with its content.
 class PrivateFolder {
  public:
   PrivateFolder();

@@ -1,4 +1,4 @@
-// The checks of the conformance suite; each starts the solver anew.
+// The checks of the conformance suite; each check starts the solver anew.
 #include "common/core/error.hpp"
 #include "peer/examiner.hpp"
 #include "peer/peer.hpp"
@@ -17,8 +17,8 @@ using namespace coupling;
 double everywhere(const Point3&) { return 1.0; }
 double nowhere(const Point3&) { return 0.0; }
 
-/// Cover of the solver's points by the other phase: 1 left of a front, 0 right of it. share: the front's position over
-/// their width.
+/// Coverage of the solver's points by the other phase: 1 left of a front, 0 right of it. share: the front's position as
+/// a fraction of the width of these points.
 Sight left_of(const Examiner& solver, double share) {
   const auto& points = *solver.state().points;
   const auto d = static_cast<std::size_t>(points.dimension);
@@ -31,7 +31,7 @@ Sight left_of(const Examiner& solver, double share) {
   return [front = low + share * (high - low)](const Point3& x) { return x[0] <= front ? 1.0 : 0.0; };
 }
 
-/// Compares bit by bit; returns a text on the first difference, or an empty one.
+/// Compares two publications bit by bit; returns a text on the first difference, or an empty text.
 std::string difference(const Snapshot& a, const Snapshot& b) {
   if (a.points->size() != b.points->size())
     return fmt::format("{} points, then {}", a.points->size(), b.points->size());
@@ -126,8 +126,8 @@ std::string rejected_step(Examiner& solver) {
   return "restored twice, the same window gives the same result bit by bit";
 }
 
-/// The solver writes two checkpoints and is killed. Resumed, it must return to the second and repeat the next window,
-/// bit by bit.
+/// The solver writes two checkpoints and is killed. When resumed, it must return to the second checkpoint and repeat
+/// the window after it bit by bit.
 std::string resume(Examiner& solver) {
   solver.begin();
   if (!solver.keeps_checkpoints()) return "keeps no checkpoints; not judged";

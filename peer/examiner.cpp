@@ -266,7 +266,7 @@ void Examiner::window(const Sight& sight) {
 }
 
 void Examiner::restore() {
-  // Undoes the window just crossed.
+  // Undoes the last window.
   const double start = before_.time;
   Message message = message_of(Restore{"the conformance suite tries it"}, step_);
   message.iteration = iteration_;
@@ -340,7 +340,7 @@ void Examiner::finish(const std::string& reason) {
 }
 
 void Examiner::expect_exit(int code, const std::string& after) {
-  // Until it ends it may still send messages, such as its own ABORT.
+  // Until the solver ends, it may still send messages, such as its own ABORT.
   const auto deadline = Clock::now() + goodbye_within;
   while (hub_ && !child_.ended() && Clock::now() < deadline) hub_->receive(Milliseconds(20));
   const auto got = child_.wait(goodbye_within);

@@ -1,4 +1,4 @@
-// Plays the coupler for one start of a solver's command, strictly by docs/protocol.md.
+// Plays the part of the coupler for one start of a solver's command, strictly by docs/protocol.md.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -19,7 +19,7 @@ struct Failed {
   std::string what;
 };
 
-/// Cover of a point [m] by the other phase: 1 inside its cloud, 0 outside.
+/// Coverage of a place [m] by the other phase: 1 inside its cloud, 0 outside.
 using Sight = std::function<double(const Point3&)>;
 
 class Examiner {
@@ -29,15 +29,15 @@ class Examiner {
   /// Starts the same solver again, to resume in the folder where `before` left its checkpoints.
   Examiner(const Examiner& before, const std::filesystem::path& log);
 
-  /// Waits for HELLO and checks it; answers a request for the case before it.
+  /// Waits for HELLO and checks it; before HELLO, answers a request for the case.
   const coupling::Hello& hello();
   void welcome();
   /// Exchanges HELLO, WELCOME, a publication, INITIALISE with fields at rest, and another publication.
   void begin();
 
-  /// Sends ADVANCE by `interval` [s]. Returns the refusal; or nothing, and the publication becomes the present state.
+  /// Sends ADVANCE by `interval` [s]. Returns the refusal; empty if accepted, and the publication becomes the state.
   std::optional<coupling::Reject> advance(double interval, const Sight& sight);
-  /// Crosses one window, shortened as often as the solver requires.
+  /// Advances by one window, which is shortened as often as the solver requires.
   void window(const Sight& sight);
   void restore();
   /// Sends CHECKPOINT and checks the answer.

@@ -24,7 +24,7 @@ std::string take_option(std::vector<std::string>& words, const std::string& name
   return {};
 }
 
-/// Passes messages on in both directions until either end has gone.
+/// Passes messages on in both directions until one end has gone.
 void pass_on(Hub& solver, Transport& coupler, WireLogWriter& log, Child& child) {
   std::string line;
   bool told = false;
@@ -67,7 +67,7 @@ int record(const std::filesystem::path& log_file, const std::vector<std::string>
     const auto solver = bind_socket(ours);
     const auto coupler = connect_socket(address, keys);
     pass_on(*solver, *coupler, log, child);
-  }  // both ends see from their closed line that the other has gone
+  }  // closes both lines: each end sees that the other has gone
   const auto code = child.wait(std::chrono::seconds(60));
   if (!code) throw PeerError("peer record: the line is closed, but the solver did not end within 60 s");
   return *code;

@@ -85,7 +85,7 @@ class Replay final : public Phase {
   }
 
  private:
-  /// The next message in that direction, without heartbeats and requests for the case.
+  /// The next message in that direction, except for heartbeats and requests for the case.
   Message next(Direction direction) {
     while (auto record = log_.next()) {
       ++records_;
@@ -135,7 +135,7 @@ class Replay final : public Phase {
     return out;
   }
 
-  /// Compares received fields with the recording bit by bit; keeps and reports the first difference.
+  /// Compares received fields with the recorded ones bit by bit; stores and reports the first difference.
   void compare(Message then, const Inbox& inbox) {
     std::string found;
     for (auto& array : then.arrays) {

@@ -11,8 +11,8 @@ namespace {
 
 using namespace coupling;
 
-/// Elevation (along -gravity) of the surface of water at rest [m]: the highest prescribed head, else the top of the
-/// water.
+/// Elevation (along -gravity) of the surface of water at rest [m]: the highest prescribed head or, without one, the top
+/// of the water.
 double water_level(const Case& scene) {
   const Point3 up = -scene.general.gravity.normalized();
   double level = -std::numeric_limits<double>::infinity();

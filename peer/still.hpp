@@ -1,5 +1,5 @@
-// A phase at rest, computed from the case alone: still water with its hydrostatic pressure; soil in equilibrium under
-// its buoyant weight. It stands in for a solver, and is what the conformance suite sends to one.
+// A phase at rest, computed from the case alone: still water with hydrostatic pressure; soil in equilibrium under its
+// buoyant weight. It stands in for a solver; the conformance suite also sends its fields to a solver.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -13,8 +13,8 @@ namespace poretwin::peer {
 /// fields.
 double still_value(const Case& scene, const std::string& field, const Point3& x);
 
-/// Lattice points with their images behind walls as ghosts: for the solid in the case's soils; for the fluid in its
-/// regions of water or, where the case has none, in its soils.
+/// Lattice points, with their images behind walls as ghosts. For the solid they lie in the case's soils; for the fluid
+/// in its regions of water or, in a case without such regions, in its soils.
 coupling::PointSet still_points(const Case& scene, coupling::Role role);
 
 /// A phase that publishes still_value() at still_points() in every window, whatever it receives.

@@ -2,8 +2,8 @@
 //
 // The file begins with the line "poretwin wire log 1\n"; records follow. A record is one byte ('>' participant to
 // coupler, '<' coupler to participant), the time since the file was begun [ns, u64], the number of frames [u32], and
-// for each frame its length [u64] and its bytes. Numbers are little-endian. An incomplete record at the end, of a file
-// that was cut short, is ignored.
+// for each frame its length [u64] and its bytes. Numbers are little-endian. If the file was cut short, the incomplete
+// record at its end is ignored.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -37,8 +37,8 @@ class WireLogReader {
   };
   /// Throws FileError where this is not a wire log.
   explicit WireLogReader(const std::filesystem::path& path);
-  /// The next record; nothing at the end, or where the file was cut short. Sizes are checked against that of the file
-  /// before memory is allocated.
+  /// The next record; empty at the end of the file, also where it was cut short. Sizes are compared with the size of
+  /// the file before memory is allocated.
   std::optional<Record> next();
 
  private:

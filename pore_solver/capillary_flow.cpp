@@ -9,7 +9,7 @@ namespace poretwin::pore {
 
 namespace {
 
-/// 1 / (1 - exp(-p)) - 1 / p: weight of the upstream point, from 1/2 at p = 0 to 1.
+/// 1 / (1 - exp(-p)) - 1 / p: weight of the upstream point, which grows from 1/2 at p = 0 to 1.
 double upstream_share(double p) { return p < 1e-3 ? 0.5 + p / 12.0 : 1.0 / -std::expm1(-p) - 1.0 / p; }
 
 }  // namespace
@@ -68,7 +68,7 @@ CapillaryFlow::Driven CapillaryFlow::down(const Water& upper, const Water& lower
     return {upper.potential - lower.potential + k * drop, k_upper + w * upper.permeability.slope * drop,
             -k_lower + (1.0 - w) * lower.permeability.slope * drop, k};
   }
-  // For heads this close the curve between them is straight, and a quotient of differences would be rounding.
+  // For heads this close, the curve between them is straight, and a quotient of differences would be a rounding error.
   constexpr double close = 1e-7;
   if (-more < close * (1e-3 + std::abs(upper.head))) {
     const double mean = 0.5 * (k_upper + k_lower);
@@ -102,7 +102,7 @@ Flow CapillaryFlow::through(const Link& link) const {
     const Flow by_b = between(water(gb, at_[a].head, at_[a].elevation), at_[b], other_mean);
     const double ka = link.of_a * conductivity(a) * link.transmissibility,
                  kb = link.of_b * conductivity(b) * link.transmissibility;
-    // Both flows have the sign of the fall of the head. At rest their ratio is that of the conductivities.
+    // Both flows go towards the lower head. Where both vanish, their ratio is that of the conductivities.
     double first = ka * std::abs(by_a.value), second = kb * std::abs(by_b.value);
     if (!(first + second > 1e-12 * (ka * mean + kb * other_mean))) {
       first = ka * mean;
@@ -155,7 +155,7 @@ double CapillaryFlow::variable_at(Index a, double pressure_head) const {
 }
 
 double CapillaryFlow::limited(Index a, double from, double to, char& stopped) const {
-  // Below the joint the other part of the curve begins, to which the tangent does not apply.
+  // Below the joint, the other part of the curve begins, to which the tangent does not apply: the step ends there.
   const double joint = ground(a).retention->joint();
   if (!stopped && from > joint && to < joint) {
     stopped = 1;

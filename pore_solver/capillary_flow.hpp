@@ -13,17 +13,17 @@ namespace poretwin::pore {
 ///
 ///   F_ab = K T [Phi_a - Phi_b + k_g (z_a - z_b)]
 ///
-/// Where suction increases upwards, k_g is the mean of k_r over the heads between the two, (Phi_a - Phi_b) / (psi_a -
-/// psi_b). Water at rest under suction then stays at rest exactly.
+/// Where suction increases upwards, k_g is the mean of k_r over the heads between psi_a and psi_b, (Phi_a - Phi_b) /
+/// (psi_a - psi_b). Water at rest under suction then stays at rest exactly.
 ///
 /// Elsewhere k_g = w k_r(upper) + (1 - w) k_r(lower) with w = 1 / (1 - exp(-p)) - 1 / p and p = (z_a - z_b) k_r' / k_r
-/// at the lower point, where k_r' is the slope of k_r over psi. This is the mean where the permeability changes little
-/// over the distance, and the upstream value where it changes much, so that wetting fronts do not oscillate. With
-/// exponential curves (Gardner's) the steady flow is exact (Scharfetter & Gummel 1969). The two forms are equal where
-/// the heads are.
+/// at the lower point, where k_r' is the slope of k_r over psi. This k_g is the mean of both k_r where k_r changes
+/// little over the distance, and the upstream value where it changes much, so that wetting fronts do not oscillate.
+/// With exponential curves (Gardner's) the steady flow is exact (Scharfetter & Gummel 1969). Where the two heads are
+/// equal, so are the two forms of k_g.
 ///
-/// Across the border of two soils the law of each gives a flow for the two heads. Their harmonic mean is the flow
-/// through the two halves of the distance in series.
+/// Across the border of two soils, the law of each soil gives a flow for the two heads. The harmonic mean of both is
+/// the flow through the two halves of the distance in series.
 class CapillaryFlow final : public FlowModel {
  public:
   CapillaryFlow(const Case& scene, const Network& network);
@@ -44,7 +44,7 @@ class CapillaryFlow final : public FlowModel {
     double residual = 0.0;  ///< residual saturation
     std::unique_ptr<porous::Retention> retention;
   };
-  /// Properties of water at a pressure head, by the law of one soil.
+  /// Properties of water at a pressure head in one soil.
   struct Water {
     double head = 0.0, potential = 0.0;  ///< psi [m], Phi [m]
     porous::Rate permeability;
@@ -58,8 +58,8 @@ class CapillaryFlow final : public FlowModel {
   [[nodiscard]] Water water(const Ground& ground, double head, double elevation) const;
   /// The flow from the upper to the lower of two points.
   [[nodiscard]] static Driven down(const Water& upper, const Water& lower);
-  /// The flow from a to b by the law of one soil, with derivatives with respect to their pressure heads. mean: mean of
-  /// k_r.
+  /// The flow from a to b by the law of one soil, with its derivatives with respect to the heads of both points. mean:
+  /// mean of k_r.
   [[nodiscard]] static Flow between(const Water& a, const Water& b, double& mean);
   [[nodiscard]] Content effective_saturation(Index a) const;
   [[nodiscard]] const Ground& ground(Index a) const { return grounds_[network_.soil[a]]; }
@@ -69,7 +69,7 @@ class CapillaryFlow final : public FlowModel {
   const Network& network_;
   std::vector<Ground> grounds_;
   std::vector<Water> at_;                ///< at each point
-  ScalarArray variable_, per_variable_;  ///< of each point: u, and the derivative of psi with respect to u
+  ScalarArray variable_, per_variable_;  ///< of each point: its variable u, and the derivative of psi with respect to u
 };
 
 }  // namespace poretwin::pore

@@ -9,8 +9,8 @@
 
 namespace poretwin::pore {
 
-/// Calls take(beyond, corners) for each side of a cell: what lies beyond it (index of a point, or the number with which
-/// the cell was cut), and its corners relative to the cell's point, in the cell's unit of length.
+/// Calls take(beyond, corners) for each side of a cell. beyond: what lies behind the side (index of a point, or the
+/// number with which the cell was cut). corners: relative to the cell's point, in the cell's unit of length.
 template <class Take>
 void for_each_side(voro::voronoicell_neighbor& cell, Take&& take) {
   std::vector<int> beyond, indices;

@@ -13,7 +13,7 @@ Pores rigid_pores(const Case& scene, const Network& network) {
   for (auto* zero : {&pores.at, &pores.give}) zero->assign(n, 0.0);
   for (std::size_t a = 0; a < n; ++a) {
     const Soil& soil = scene.soils[network.soil[a]];
-    // In soil without capillarity the initial water moves with the grains, and only the rest of the pores can fill.
+    // In soil without capillarity the initial water stays with the grains, and only the rest of the pores can fill.
     pores.volume.push_back(network.volume[a] * soil.porosity * (1.0 - soil.initial_saturation));
     pores.conductivity.push_back(porous::seepage_at(scene, soil, soil.porosity).conductivity);
   }

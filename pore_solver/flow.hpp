@@ -1,5 +1,5 @@
 // Flow of water between two points and through the soil's border, and the volume of water at a point, as functions of
-// the points' variables. Richards' (1931) equation has two discrete forms: with retention curves, and with a sharp
+// the points' variables. Richards' (1931) equation has two discrete forms here: with retention curves, and with a sharp
 // front.
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace poretwin::pore {
 
-/// A flow [m3/s, 2D: m2/s] from point a to point b and its derivatives with respect to their variables.
+/// A flow [m3/s, 2D: m2/s] from point a to point b, and its derivatives with respect to the two points' variables.
 struct Flow {
   double value = 0.0, by_a = 0.0, by_b = 0.0;
 };
-/// An inflow through a segment [m3/s, 2D: m2/s] and its derivative with respect to the variable of its point.
+/// An inflow through a segment [m3/s, 2D: m2/s], and its derivative with respect to the variable of its point.
 struct Inflow {
   double value = 0.0, slope = 0.0;
 };
@@ -24,8 +24,8 @@ struct Content {
   double value = 0.0, slope = 0.0;
 };
 
-/// The pores of each point. In soil that moves they respond to the water within a step: their volume is `volume` where
-/// the skeleton bears a head `at`, and increases by `give` per metre of head above that.
+/// The pores of each point. In soil that moves, they respond to the water within a step: their volume is `volume` where
+/// the head that the skeleton bears is `at`, and increases by `give` per metre by which that head exceeds `at`.
 struct Pores {
   ScalarArray volume;        ///< m3 (2D: m2)
   ScalarArray at;            ///< m
@@ -33,7 +33,7 @@ struct Pores {
   ScalarArray conductivity;  ///< m/s, of saturated soil
 };
 
-/// The pores of a case's soil before it has moved, as far as water can fill them.
+/// The pores of a case's soil before it has moved: the part of them that water can fill.
 Pores rigid_pores(const Case& scene, const Network& network);
 
 class FlowModel {
@@ -43,9 +43,9 @@ class FlowModel {
   FlowModel& operator=(const FlowModel&) = delete;
   virtual ~FlowModel() = default;
 
-  /// Sets the variables of all points; the functions below use them.
+  /// Sets the variables of all points. The functions below use these variables.
   virtual void set(std::span<const double> variable) = 0;
-  /// Sets the pores of all points; the functions below use them.
+  /// Sets the pores of all points. The functions below use these pores.
   void set_pores(Pores pores) { pores_ = std::move(pores); }
   [[nodiscard]] const Pores& pores() const { return pores_; }
 
@@ -63,14 +63,14 @@ class FlowModel {
     const double pores = pore_volume(a);
     return {pores * s.value, pores * s.slope + pores_.give[a] * borne_head(a).slope * s.value};
   }
-  /// Pressure head of the water at a point [m]. Without capillarity: the level up to which water stands in the point's
-  /// cell (or, where the cell is full, the hydraulic head) less the point's elevation; negative where that level lies
+  /// Pressure head of the water at a point [m]. Without capillarity it is the level of the water in the point's cell
+  /// (or, where the cell is full, the hydraulic head) minus the point's elevation. It is negative where that level lies
   /// below the point.
   [[nodiscard]] virtual double pressure_head(Index a) const = 0;
   /// The flow from a to b.
   [[nodiscard]] virtual Flow through(const Link& link) const = 0;
   /// Inflow through a segment behind which still water stands up to an elevation `level` [m]. The part of the segment
-  /// above it is open to the air: water only leaves there, at the pressure of the air.
+  /// above this level is open to the air: there water only leaves, at the pressure of the air.
   [[nodiscard]] virtual Inflow below_level(const Segment& segment, double level) const = 0;
   /// Inflow through a segment along which the pressure head is uniform [m].
   [[nodiscard]] virtual Inflow at_head(const Segment& segment, double pressure_head) const = 0;
@@ -79,16 +79,16 @@ class FlowModel {
   [[nodiscard]] virtual double variable_at(Index a, double pressure_head) const = 0;
   /// The variable of a point that is full at zero pressure.
   [[nodiscard]] virtual double full(Index a) const = 0;
-  /// Whether a point's variable lies at the lower end of its range: it has no water, and cannot have less.
+  /// Whether a point's variable is at the lower end of its range: the point has no water and cannot lose any.
   [[nodiscard]] virtual bool is_empty(Index a) const = 0;
   /// The value of point a's variable after a Newton step from `from` to `to`: `to`, or the nearest value at which the
-  /// step must halt (a corner of the curves, the end of their range). `stopped`: whether this point has already halted
-  /// at a corner in this solve; set where it does now.
+  /// step must halt (a corner of the curves or the end of their range). `stopped`: whether this point has halted at a
+  /// corner earlier in this solve; it is set where the point halts now.
   [[nodiscard]] virtual double limited(Index a, double from, double to, char& stopped) const = 0;
 
  protected:
   [[nodiscard]] double conductivity(Index a) const { return pores_.conductivity[a]; }
-  /// Conductivity of the way between two points: of its two halves in series.
+  /// Conductivity between two points: that of the two halves of their distance in series.
   [[nodiscard]] double conductivity(const Link& link) const {
     const double ka = link.of_a * conductivity(link.a), kb = link.of_b * conductivity(link.b);
     return ka == kb ? ka : 2.0 * ka * kb / (ka + kb);
@@ -102,7 +102,7 @@ class FlowModel {
   Pores pores_;
 };
 
-/// The flow model for the case's soils: all with retention curves, or all without.
+/// The flow model for the case's soils: either all soils have retention curves, or none has.
 std::unique_ptr<FlowModel> make_flow_model(const Case& scene, const Network& network);
 
 }  // namespace poretwin::pore

@@ -18,13 +18,13 @@
 namespace poretwin::pore {
 namespace {
 
-/// Lengths below this one are rounding errors. In spacings.
+/// Lengths below this value, in spacings, are rounding errors.
 constexpr double tiny = 1e-9;
-/// Distance up to which a place counts as lying on a line. In spacings.
+/// Largest distance from a line, in spacings, at which a place counts as on the line.
 constexpr double beside = 1e-3;
 
-/// A straight part of the soil's border, traversed with the soil on its left, with the face and the rain of the case
-/// along it.
+/// A straight part of the soil's border, with the soil on its left, and the face and the rain of the case along this
+/// part.
 struct BorderPart {
   Piece piece;
   std::size_t line = 0;  ///< number of the straight side that it belongs to
@@ -45,8 +45,8 @@ class Border {
   }
   [[nodiscard]] const std::vector<BorderPart>& parts() const { return parts_; }
 
-  /// Moves the border with the points, which lay at `drawn` and lie at `now`, after dividing it into parts of at most a
-  /// spacing.
+  /// Moves the border with the points, whose positions as the case draws them are `drawn`, and at present `now`.
+  /// Before that, divides the border into parts of at most a spacing.
   void move(const std::vector<Point3>& drawn, const std::vector<Point3>& now) {
     std::vector<BorderPart> moved;
     lines_ = 0;
@@ -68,7 +68,7 @@ class Border {
   /// Mean displacement of the points around a place of the border.
   [[nodiscard]] Point3 displacement(const Point3& x, const std::vector<Point3>& drawn,
                                     const std::vector<Point3>& now) const {
-    constexpr double reach = 1.6;  // spacings; beside a corner the nearest point is 0.7 away
+    constexpr double reach = 1.6;  // spacings; beside a corner the nearest point is at 0.7
     Point3 sum = Point3::Zero();
     double weights = 0.0;
     for (std::size_t a = 0; a < drawn.size(); ++a) {
@@ -112,7 +112,7 @@ class Border {
       if (s != soil && contains(scene_.soils[s].shape, x, 2)) return true;
     return false;
   }
-  /// The last item whose face lies at this place of the border and points inwards; Segment::none if there is none.
+  /// The last item whose face lies at this place of the border and points inwards; Segment::none where there is none.
   template <class Items>
   [[nodiscard]] std::size_t owner(const Items& items, const Point3& x, const Point3& inwards) const {
     constexpr double parallel = 0.999;
@@ -150,7 +150,7 @@ std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell, const Stretch& 
       x.z() = 0.0;
       x = stretch.from(x);
     }
-    // The two ends of the side are the corners that are farthest apart.
+    // The side is the line between the two corners that are farthest apart.
     Piece piece{corners[0], corners[0]};
     for (const Point3& x : corners)
       if ((x - piece.a).norm() > (piece.b - piece.a).norm()) piece.b = x;
@@ -160,11 +160,11 @@ std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell, const Stretch& 
   return sides;
 }
 
-/// Whether more than a corner of a straight piece lies within the cross-section.
+/// Whether more than a single point of a straight piece lies within the cross-section.
 bool enters(const std::vector<CellSide>& sides, const Piece& piece) {
   double from = 0.0, to = 1.0;
   for (const auto& side : sides) {
-    // The cell's point is the origin and lies on the inner side.
+    // The cell's point, the origin, lies on the inner side.
     Point3 outwards(side.piece.b.y() - side.piece.a.y(), side.piece.a.x() - side.piece.b.x(), 0.0);
     outwards.normalize();
     if (outwards.dot(side.piece.a) < 0.0) outwards = -outwards;
@@ -203,7 +203,7 @@ class Maker {
  private:
   Network connect() {
     std::set<std::pair<Index, Index>> seen;
-    // The container's unit is the spacing, and it is one spacing thick. Cells are made in stretched space.
+    // In the container the unit of length, and the layer's thickness, is the spacing. Cells are in stretched space.
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
     for (const auto& part : border_.parts()) {
       lower = lower.cwiseMin(part.piece.a);
@@ -253,7 +253,7 @@ class Maker {
     return y;
   }
 
-  /// The points are ordered column by column from the top down. Flow depends most on what lies above, along gravity,
+  /// The points are ordered column by column, from the top down. Flow depends most on what lies above, along gravity,
   /// and incomplete factors are accurate in this order.
   void place_points() {
     struct Place {
@@ -264,7 +264,7 @@ class Maker {
     std::vector<Shape> shapes;
     for (const auto& soil : scene_.soils) shapes.push_back(soil.shape);
     const auto& f = scene_.fluid;
-    const auto& moving = scene_.solid;  // in soil that moves the points are its particles
+    const auto& moving = scene_.solid;  // in moving soil the points are the soil's particles
     const bool moves = scene_.deformable();
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const auto lattice =
@@ -289,7 +289,7 @@ class Maker {
   void add(Index a, voro::voronoicell_neighbor& cell) {
     const Point3 x = local(net_.position[a]);
     const auto relative = [&](const Piece& piece) { return Piece{local(piece.a) - x, local(piece.b) - x}; };
-    // The cell is cut at the nearest parts of the border first: then parts beyond these do not reach it any more.
+    // The nearest parts of the border cut the cell first: then the cell no longer reaches the parts beyond them.
     std::vector<std::pair<double, const BorderPart*>> near;
     const double reach = std::sqrt(cell.max_radius_squared()) / stretch_.least();
     for (const auto& part : border_.parts())
@@ -322,8 +322,8 @@ class Maker {
     }
   }
 
-  /// The fraction of the cell's area below each of its corners. Between corners the area is taken as linear in the
-  /// elevation.
+  /// The fraction of the cell's area below each of its corners. Between the elevations of two corners the area is
+  /// interpolated linearly.
   [[nodiscard]] std::vector<Filling> filling(const Point3& x, const std::vector<CellSide>& sides) const {
     std::vector<double> levels;
     for (const auto& side : sides)
@@ -375,7 +375,7 @@ class Maker {
       const Point3 along = (part.piece.b - part.piece.a).normalized();
       double from = along.dot(side.a - part.piece.a), to = along.dot(side.b - part.piece.a);
       if (from > to) std::swap(from, to);
-      // On a border that has moved a side may lie along several parts; it belongs to the nearest.
+      // On a border that has moved, a side may lie along several parts: it belongs to the nearest part.
       if (!moved_) {
         from = std::max(from, 0.0);
         to = std::min(to, part.piece.length());
@@ -405,7 +405,7 @@ class Maker {
   bool moved_ = false;
   Point3 origin_ = Point3::Zero();
   Network net_;
-  std::vector<std::vector<Filling>> filling_;  ///< of each cell
+  std::vector<std::vector<Filling>> filling_;  ///< for each cell
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The soil's points, their Voronoi cells, and the connections between points and to the soil's border: the geometry of
-// a two-point flux. A link connects two points whose cells touch. The line between them is normal to the common face,
-// so that the flux of a linear head is exact at any arrangement of the points (Eymard, Gallouet & Herbin 2000).
+// a two-point flux. A link connects two points whose cells touch. The line between the points is normal to their common
+// face, so that the flux of a linear head is exact at any arrangement of the points (Eymard, Gallouet & Herbin 2000).
 #pragma once
 
 #include "common/case/case.hpp"
@@ -11,25 +11,25 @@
 
 namespace poretwin::pore {
 
-/// A pair of points whose cells touch. In 2D, areas are lengths and volumes are areas, everywhere in this solver.
+/// A pair of points whose cells touch. Everywhere in this solver, areas are lengths and volumes are areas in 2D.
 struct Link {
   Index a = 0, b = 0;
   double transmissibility = 0.0;  ///< area of the common face over the distance between the points, m (2D: 1)
-  double of_a = 1.0, of_b = 1.0;  ///< conductivity of each point's soil in this direction over that along its beds
+  double of_a = 1.0, of_b = 1.0;  ///< conductivity of a's and b's soil along the link, over that along beds
   Point3 centre = Point3::Zero();  ///< m, centre of the common face
   double low = 0.0, high = 0.0;   ///< m, elevations of the face's lowest and highest corners
 };
 
 /// A part of a cell's side on the soil's border, along a water face, under rain, or both; or the part of a well's
-/// screen in a cell. A border with neither has no segment and is impermeable.
+/// screen in a cell. A part of the border with neither face nor rain has no segment and is impermeable.
 struct Segment {
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   Index point = 0;
   std::size_t face = none, rain = none, well = none;  ///< indices in the case's lists; a well has neither face nor rain
   double area = 0.0;                     ///< m2 (2D: m)
   double level_area = 0.0;               ///< m2 (2D: m), area of its horizontal projection
-  double transmissibility = 0.0;         ///< m (2D: 1), area over the distance from the point to the border; of a
-                                         ///< screen: add_wells()
+  double transmissibility = 0.0;         ///< m (2D: 1), area over the distance from the point to the border; for a
+                                         ///< screen see add_wells()
   double across = 1.0;                   ///< conductivity of the soil across the border over that along its beds
   Point3 centre = Point3::Zero();        ///< m
   double low = 0.0, high = 0.0;          ///< m, elevations of its lowest and highest point
@@ -56,14 +56,14 @@ struct Network {
   }
 };
 
-/// The network of a case, of cells that fit the soil's anisotropy (Stretch); in 3D make_network_3d(). In 2D points a
-/// spacing apart fill each soil (`fill`), cells are cut off at the soils' common border, and no link passes through a
-/// wall. Beside a corner where the soil goes around a notch, a cell loses what lies beyond the nearer side of the
-/// notch.
+/// The network of a case, with cells that fit the soil's anisotropy (Stretch). For 3D see make_network_3d(). In 2D,
+/// points one spacing apart fill each soil (`fill`), cells are cut off at the soils' common border, and no link passes
+/// through a wall. Beside a corner where the soil goes around a notch, a cell loses its part beyond the nearer side of
+/// the notch.
 Network make_network(const Case& scene);
-/// The network of the same points of a 2D case at the positions `now` [m] to which the soil has carried them. drawn:
-/// make_network() of the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError
-/// where it has folded over points.
+/// The network of a 2D case for points that the soil has displaced to the positions `now` [m]. drawn: result of
+/// make_network() for the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError
+/// where the border has folded over points.
 Network make_network(const Case& scene, const Network& drawn, const std::vector<Point3>& now);
 
 }  // namespace poretwin::pore

@@ -19,18 +19,18 @@ namespace poretwin::pore {
 namespace space {
 namespace {
 
-/// Lengths and areas below this one are rounding errors. In spacings, squared for areas.
+/// Lengths and areas below this value, in spacings and their squares, are rounding errors.
 constexpr double tiny = 1e-9;
-/// Distance up to which a place counts as lying on a plane. In spacings.
+/// Largest distance from a plane, in spacings, at which a place counts as on the plane.
 constexpr double beside = 1e-3;
 
 /// One side of a cell, and what lies beyond it.
 struct CellSide {
   int beyond = 0;   ///< index of a point, or beyond_facet() of a facet of the soil's surface
   Polygon corners;  ///< relative to the cell's point, in spacings
-  Point3 outwards;  ///< unit
+  Point3 outwards;  ///< unit vector
   Point3 centre;
-  double area = 0.0, deep = 0.0;  ///< deep: distance of its plane from the point
+  double area = 0.0, deep = 0.0;  ///< deep: distance of the side's plane from the point
 };
 constexpr int first_facet = -100;
 int beyond_facet(Index facet) { return first_facet - static_cast<int>(facet); }
@@ -41,14 +41,14 @@ std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell, const Stretch& 
     for (Point3& x : corners) x = stretch.from(x);
     const Measure m = measure(corners);
     if (m.area < tiny) return;
-    // The cell is convex and its point lies inside.
+    // The cell is convex, and its point lies inside it.
     const Point3 outwards = m.normal.dot(m.centre) < 0.0 ? Point3(-m.normal) : m.normal;
     sides.push_back({beyond, corners, outwards, m.centre, m.area, outwards.dot(m.centre)});
   });
   return sides;
 }
 
-/// The part of a polygon within a cell, its sides excluded; empty where there is none.
+/// The part of a polygon strictly inside a cell; empty where there is none.
 Polygon part_within(const std::vector<CellSide>& sides, Polygon polygon) {
   for (const auto& side : sides) {
     polygon = below(polygon, side.outwards, side.deep - tiny);
@@ -57,9 +57,9 @@ Polygon part_within(const std::vector<CellSide>& sides, Polygon polygon) {
   return measure(polygon).area > tiny ? polygon : Polygon{};
 }
 
-/// Divides a polygon [m] into the parts in a shape and those outside. Boxes along the axes are cut exactly, others to
-/// 1/64 of the polygon. slack [m]: how far a box reaches beyond what is drawn, so that sides which coincide count as
-/// inside.
+/// Divides a polygon [m] into the parts inside a shape and the parts outside. Boxes along the axes cut it exactly,
+/// other shapes to 1/64 of the polygon. slack [m]: how far a box extends beyond what is drawn, so that sides on its
+/// border count as inside.
 std::pair<std::vector<Polygon>, std::vector<Polygon>> divided(const Polygon& polygon, const Shape& shape,
                                                               double slack) {
   std::pair<std::vector<Polygon>, std::vector<Polygon>> parts;
@@ -97,7 +97,7 @@ class Maker {
 
   Network make() {
     place_points();
-    // The container's unit is the spacing. Cells are made in stretched space.
+    // In the container the spacing is the unit of length. Cells are made in stretched space.
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
     for (const auto& soil : scene_.soils) {
       const auto [low, high] = bounds(soil.shape);
@@ -114,7 +114,7 @@ class Maker {
       high = high.cwiseMax(stretch_.to(x));
     }
     const Point3 size = high - low;
-    constexpr double points_a_block = 5.0;  // near the fastest of voro++
+    constexpr double points_a_block = 5.0;  // blocks with this number of points are near the fastest for voro++
     const auto blocks = [&](double length) {
       return std::max(1, static_cast<int>(length / std::cbrt(points_a_block)));
     };
@@ -146,7 +146,7 @@ class Maker {
  private:
   [[nodiscard]] Point3 local(const Point3& x) const { return (x - origin_) / spacing_; }
 
-  /// The points of one soil: all points of a lattice over the soil's box that lie in the soil.
+  /// The points of one soil: those points of a lattice over the soil's box that lie in the soil.
   [[nodiscard]] std::vector<Point3> points_of(std::size_t s) const {
     const Shape& shape = scene_.soils[s].shape;
     const auto& f = scene_.fluid;
@@ -163,7 +163,7 @@ class Maker {
     return points;
   }
 
-  /// The points are ordered column by column from the top down: flow depends most on what lies above, along gravity,
+  /// The points are ordered column by column, from the top down. Flow depends most on what lies above, along gravity,
   /// and incomplete factors are accurate in this order.
   void place_points() {
     std::vector<std::pair<Point3, std::size_t>> places;
@@ -194,7 +194,7 @@ class Maker {
 
   void add(Index a, voro::voronoicell_neighbor& cell) {
     const Point3 x = net_.position[a];
-    // The cell is cut at the nearest facets first: then facets behind these do not reach it any more.
+    // The nearest facets cut the cell first: then the cell no longer reaches the facets behind them.
     std::vector<TriangleMesh::Nearest> near;
     surface_.facets().for_each_near(x, std::sqrt(cell.max_radius_squared()) / stretch_.least() * spacing_,
                                     [&](const TriangleMesh::Nearest& n) { near.push_back(n); });
@@ -202,8 +202,8 @@ class Maker {
       return std::tie(p.distance, p.facet) < std::tie(q.distance, q.facet);
     });
     auto sides = sides_of(cell, stretch_);
-    // A cell that is still open reaches beyond the soil, where parts of facets are no border. Facets that are border
-    // all over the cell cut it first, the others by what is left of it.
+    // A cell that is still open extends beyond the soil, where parts of facets are no border. Facets that are border
+    // all over the cell cut it first; the others are then judged by what is left of the cell.
     for (const auto& pass : in_two_passes(near)) {
       const double share = pass.first;
       const TriangleMesh::Nearest& n = pass.second;
@@ -213,7 +213,7 @@ class Maker {
         facet.emplace_back((triangles.points[corner] - x) / spacing_);
       const Point3 outwards = surface_.facets().normal(n.facet);
       const double deep = outwards.dot(facet[0]);
-      // Facets that the point sees from behind belong to soil on the other side of a gap, or to a neighbouring soil.
+      // Facets that the point sees from behind belong to soil beyond a gap, or to a neighbouring soil.
       if (deep < 0.0) continue;
       if (part_within(sides, std::move(facet)).empty()) continue;
       voro::voronoicell_neighbor rest;  // its copy constructor would share memory
@@ -242,7 +242,7 @@ class Maker {
     }
   }
 
-  /// Each facet twice, with the share of border that it needs: first in a cell that may be open, then in what is left.
+  /// Each facet twice, with the share of border that it needs to cut: first in a maybe open cell, then in the rest.
   static std::vector<std::pair<double, TriangleMesh::Nearest>> in_two_passes(
       const std::vector<TriangleMesh::Nearest>& near) {
     constexpr double nearly_all = 0.9, most = 0.5;
@@ -252,11 +252,11 @@ class Maker {
     return result;
   }
 
-  /// The fraction of a cell's section along the soil's surface that is the soil's border, and not hidden by other
-  /// shapes or covered by other soil. Only the surroundings of the point count: open cells reach far.
+  /// The fraction of a cell's section along a facet that is the soil's border, neither hidden by other shapes nor by
+  /// other soil. Only the surroundings of the point count, since open cells extend far.
   [[nodiscard]] double open_share(const Point3& x, const CellSide& section) const {
     constexpr int divisions = 1;
-    constexpr double reach = 0.8;  // spacings: beyond the middle between neighbours, not up to the next point
+    constexpr double reach = 0.8;  // spacings; beyond the middle between neighbours, but before the next point
     Polygon around = section.corners;
     for (int d = 0; d < 3; ++d)
       for (const double sign : {-1.0, 1.0}) around = below(around, sign * Point3::Unit(d), reach);
@@ -270,8 +270,8 @@ class Maker {
     return border / all;
   }
 
-  /// The fraction of the cell's volume below elevations of its corners. Between these the volume is taken as linear in
-  /// the elevation.
+  /// The fraction of the cell's volume below the elevations of its corners. Between two elevations the volume is
+  /// interpolated linearly.
   [[nodiscard]] std::vector<Filling> filling(const Point3& x, const std::vector<CellSide>& sides) const {
     const double base = up_.dot(x);
     if (up_.isZero()) return {{base, 0.0}, {base, 1.0}};  // without gravity every cell counts as one level
@@ -282,14 +282,14 @@ class Maker {
     constexpr double same = 1e-6;
     levels.erase(std::unique(levels.begin(), levels.end(), [](double p, double q) { return q - p < same; }),
                  levels.end());
-    // Cells of disordered points have many corners; even strips are as good there, and cheaper.
+    // Cells of disordered points have many corners: even strips are then as good, and cheaper.
     constexpr std::size_t most = 9;
     if (levels.size() > most) {
       const double low = levels.front(), high = levels.back();
       levels.resize(most);
       for (std::size_t i = 0; i < most; ++i) levels[i] = low + (high - low) * static_cast<double>(i) / (most - 1);
     }
-    // The volume below a level is a sum of cones from a point in the level's plane over the sides' parts below it.
+    // The volume below a level is a sum of cones: from a point in the level's plane to the parts of the sides below it.
     const auto volume = [&](double level) {
       double sum = 0.0;
       for (const auto& side : sides) {
@@ -334,14 +334,14 @@ class Maker {
     Polygon whole;
     for (const auto& corner : side.corners) whole.push_back(net_.position[a] + spacing_ * corner);
     std::vector<Owned> parts{{whole}};
-    // The last item along a place owns it.
+    // The last item at a place owns it.
     const auto give = [&](const auto& items, std::size_t Owned::*owner) {
       for (std::size_t i = 0; i < items.size(); ++i) {
         Face plane = items[i].face;
         plane.within.reset();
         const auto& within = items[i].face.within;
         if (plane.normal.isZero() && !within) continue;
-        if (owner == &Owned::rain && !(up_.dot(side.outwards) > tiny)) continue;  // rain falls on what looks upwards
+        if (owner == &Owned::rain && !(up_.dot(side.outwards) > tiny)) continue;  // rain falls on upward sides only
         const SoilSurface::Place place{net_.position[a] + spacing_ * side.centre, side.outwards};
         if (!lies_along(plane, place, beside * spacing_)) continue;
         std::vector<Owned> next;
@@ -367,7 +367,7 @@ class Maker {
     for (const auto& owned : parts) {
       if (owned.face == Segment::none && owned.rain == Segment::none) continue;
       const Measure m = measure(owned.part);
-      if (m.area < 1e-5 * spacing_ * spacing_) continue;  // what the slack of a box cuts off
+      if (m.area < 1e-5 * spacing_ * spacing_) continue;  // cut off by the slack of a box only
       const auto [low, high] = extent(owned.part);
       const auto same = [&](const Segment& s) { return s.face == owned.face && s.rain == owned.rain; };
       auto found = std::find_if(net_.segments.begin() + static_cast<std::ptrdiff_t>(before), net_.segments.end(), same);
@@ -401,7 +401,7 @@ class Maker {
   SoilSurface surface_;
   Point3 origin_ = Point3::Zero();
   Network net_;
-  std::vector<std::vector<Filling>> filling_;  ///< of each cell
+  std::vector<std::vector<Filling>> filling_;  ///< for each cell
 };
 
 }  // namespace

@@ -6,9 +6,9 @@
 namespace poretwin::pore {
 
 /// The network of a 3D case. Points fill each soil on a lattice.
-/// Cells are cut off at planes of the soil's surface, the nearest first: where the surface is convex, its facets bound
-/// the cells exactly; where the soil goes around a hole or a notch, a cell ends at the nearest facet's plane and loses
-/// what lies beyond it beside the hole. Throws CaseError where the soil's border is not closed or a soil has no point.
+/// Cells are cut off at planes of the soil's surface, the nearest plane first. Where the surface is convex, its facets
+/// bound the cells exactly. Where the soil goes around a hole or a notch, a cell ends at the plane of the nearest facet
+/// and loses its part beyond this plane. Throws CaseError where the soil's border is not closed or a soil has no point.
 Network make_network_3d(const Case& scene);
 
 }  // namespace poretwin::pore

@@ -1,4 +1,4 @@
-// Flat convex polygons in space, as the sides of cells in 3D.
+// Flat convex polygons in space. They are the sides of cells in 3D.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -11,7 +11,7 @@
 
 namespace poretwin::pore {
 
-/// Corners in order, in either direction of rotation.
+/// Corners in their order around the polygon, in either direction of rotation.
 using Polygon = std::vector<Point3>;
 
 struct Measure {
@@ -35,7 +35,7 @@ inline Measure measure(const Polygon& polygon) {
   return m;
 }
 
-/// The part of a polygon where direction . x <= limit; empty where there is none.
+/// The part of a polygon where direction . x <= limit; empty if no part satisfies it.
 inline Polygon below(const Polygon& polygon, const Point3& direction, double limit) {
   Polygon part;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -47,7 +47,7 @@ inline Polygon below(const Polygon& polygon, const Point3& direction, double lim
   return part;
 }
 
-/// Divides a polygon into triangles around its centre, each again into 4^divisions equal ones.
+/// Divides a polygon into triangles around its centre, and each triangle into 4^divisions equal triangles.
 inline std::vector<Polygon> triangles_of(const Polygon& polygon, int divisions) {
   std::vector<Polygon> parts;
   const Point3 centre = measure(polygon).centre;

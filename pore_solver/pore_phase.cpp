@@ -14,7 +14,7 @@ namespace {
 
 namespace field = coupling::field;
 
-/// Smoothing length of a point for the mapping between the processes: half of the kernel's support. In spacings.
+/// Smoothing length, in spacings, of a point in the mapping between the processes: half of the kernel's support.
 constexpr double reach = 1.2;
 
 }  // namespace
@@ -84,7 +84,7 @@ void PoreWater::initialise(const coupling::Inbox& inbox) {
   if (inbox.fields.empty()) return;
   see_soil(inbox, 0);
   state_.wanted = std::min(state_.wanted, stepper_->time_of_a_cell(skeleton_));
-  // The soil's state at rest is stored in the first window: now it has not come to rest yet.
+  // The first window stores the soil's state at rest; at this time the soil has not come to rest yet.
   state_.rest_solid.clear();
   state_.rest_conductivity.clear();
 }
@@ -98,8 +98,8 @@ void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
     state_.rest_solid = solid;
     state_.rest_conductivity = conductivity;
   }
-  // Pores follow from the volume fraction of the grains: at rest they are those of the case, and afterwards the grains
-  // keep their volume. Where no value was mapped to a point (0), its pores stay the same.
+  // Pores follow from the volume fraction of the grains: at rest they are those of the case; after that, the grains
+  // keep their volume. At points to which no value was mapped (0), the pores remain the same.
   const auto pores_of = [&](const ScalarArray& share) {
     ScalarArray pores(n);
     for (std::size_t a = 0; a < n; ++a)

@@ -1,5 +1,5 @@
-// The water in the pores as a field, behind the Phase interface. It takes the fluid's role, alone in rigid soil or with
-// a solver of soil that moves.
+// The water in the pores as a field, behind the Phase interface. It takes the role of the fluid, either alone in rigid
+// soil or together with a solver of soil that moves.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -40,13 +40,13 @@ class PoreWater final : public Phase {
   [[nodiscard]] const FlowModel& flow() const { return stepper_->flow(state_); }
 
  private:
-  /// Takes the soil's fields for a pass through a window: pores, conductivity and stiffness.
+  /// Takes over the soil's fields for a pass through a window: pores, conductivity and stiffness.
   void see_soil(const coupling::Inbox& inbox, unsigned pass);
-  /// Moves the points with the soil, and links them anew where one of them has moved far.
+  /// Moves the points with the soil. Links the points anew once one of them has moved far.
   void follow_soil(const coupling::Inbox& inbox);
-  /// Makes the network of the state's points, unless it exists already.
+  /// Makes the network of the state's points, unless it exists.
   void link();
-  /// Degree of saturation of all pores of a point, with the residual water that its soil holds from the start.
+  /// Degree of saturation of a point, over all of its pores: includes the initial residual water of its soil.
   [[nodiscard]] double degree_of_saturation(std::size_t a) const;
   /// Computes the discharge per area at each point [m/s] from the flows through the sides of its cell.
   void compute_flux() const;
@@ -54,7 +54,7 @@ class PoreWater final : public Phase {
   Case scene_;
   Network drawn_network_, network_;
   std::vector<Point3> linked_;                ///< m, State::linked for which the network was made
-  mutable std::unique_ptr<Stepper> stepper_;  ///< not const, since it contains work space; the state is not part of it
+  mutable std::unique_ptr<Stepper> stepper_;  ///< not const: it contains work space, which is not part of the state
   std::unique_ptr<Gauges> gauges_;
   State state_, saved_;
   Pores drawn_;              ///< pores of the soil as the case draws it

@@ -5,7 +5,7 @@
 namespace poretwin::pore {
 namespace {
 
-/// Mean of max(h - z, 0) over z from `low` to `high` [m], and its derivative with respect to h, the wet fraction.
+/// Mean of max(h - z, 0) over z from `low` to `high` [m], and its derivative with respect to h: the wet fraction.
 Inflow depth_of(double h, double low, double high) {
   if (h >= high) return {h - 0.5 * (low + high), 1.0};
   if (h <= low) return {};
@@ -93,7 +93,7 @@ double SharpFlow::limited(Index a, double from, double to, char& stopped) const 
   const double full = height(a);
   if (!stopped && (from < full) != (to < full)) {
     stopped = 1;
-    // From above it stops just below the cell's top: there the cell can give water.
+    // A decrease stops just below the cell's top, where the cell can give water.
     constexpr double just = 1e-9;
     return from < full ? full : (1.0 - just) * full;
   }

@@ -5,20 +5,20 @@
 
 namespace poretwin::pore {
 
-/// Each cell is a column of water at rest within itself. Where it is partly full, its variable is its volume of water
-/// over its full volume, times its height [m]; where it is full, its height plus the head over its top. From the
-/// variable and the cell's shape follows the elevation h up to which the water stands or, where the cell is full, the
-/// piezometric head. With m(h) the mean of max(h - z, 0) over the common face, conductivity K and transmissibility T,
+/// Each cell is a column of water at rest within itself. Its variable [m] is, where it is partly full, its height times
+/// its volume of water over its full volume; where it is full, its height plus the head over its top. The variable and
+/// the cell's shape determine the elevation h: the level of the water or, where the cell is full, the piezometric head.
+/// With the mean m(h) of max(h - z, 0) over the common face, conductivity K and transmissibility T, the flow is
 ///
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
 /// Thus water passes only through the wet part of a face, and a front crosses a cell without a jump. At a face with
-/// still water behind it the water's level takes the place of h_b; above that level the face is a seepage face. The
+/// still water behind it the level of this water replaces h_b; above that level the face is a seepage face. The
 /// skeleton bears the mean of the pressure over the cell. Without gravity water has no level: all cells are full, and
 /// their variable is the pressure head.
 ///
-/// With h as the variable Newton's iteration would not converge in cells that are narrow at their bottom: the volume is
-/// a curve of h whose tangent there leads far beyond the top. It is linear in the variable chosen.
+/// With h as the variable Newton's iteration would not converge in cells that are narrow at their bottom: the tangent
+/// of the volume as a function of h leads far beyond the top there. In the variable above, the volume is linear.
 class SharpFlow final : public FlowModel {
  public:
   SharpFlow(const Case& scene, const Network& network);
@@ -41,7 +41,7 @@ class SharpFlow final : public FlowModel {
     return network_.filling(a).back().elevation - network_.filling(a).front().elevation;
   }
   [[nodiscard]] Inflow mean_depth(double h, double low, double high) const;
-  /// Mean depth [m] of a point's water over elevations from `low` to `high`; derivative with respect to its variable.
+  /// Mean depth [m] of a point's water over elevations from `low` to `high`; slope: its derivative by the variable.
   [[nodiscard]] Inflow depth_in(Index a, double low, double high) const;
 
   const Network& network_;

@@ -16,7 +16,7 @@ Stepper::Stepper(const Case& scene, const Network& network)
       spacing_(scene.fluid.particle_spacing),
       space_(scene.general.dimension == 3),
       flow_(make_flow_model(scene, network)) {
-  // Boundaries of single faces and rains come first: their indices stay the same when a network is made anew.
+  // Boundaries of single faces and rains come first, so that their indices stay the same when a network is made anew.
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
     boundaries_.push_back({f, Segment::none, make_boundary(scene, f, Segment::none)});
   for (std::size_t r = 0; r < scene.rains.size(); ++r)
@@ -84,7 +84,7 @@ State Stepper::first_state(const Case& scene) {
     const bool wet = std::any_of(f.regions.begin(), f.regions.end(), [&](const Shape& region) {
       return contains(region, network_.position[a], scene.general.dimension);
     });
-    // Where the case gives none of these, soil without capillarity is dry: the head is that far above any water.
+    // Without a head or a water table in the case, soil without capillarity is dry, however low it lies.
     const double head = f.initial_pressure_head ? f.initial_pressure_head->at(z)
                         : f.initial_water_table ? *f.initial_water_table - z
                                                 : -HUGE_VAL;
@@ -103,8 +103,8 @@ State Stepper::first_state(const Case& scene) {
   return state;
 }
 
-/// Length of the first step: the flows at time zero, at points that are not full, move a given fraction of the water in
-/// it.
+/// Length of the first step: in it, the flows at time zero at points that are not full move a given fraction of the
+/// water.
 double Stepper::first_interval(const Case& scene, const State& state) {
   const double end = scene.general.end_time;
   begin({0.0, 1e-9 * end, 0.0});
@@ -132,7 +132,7 @@ void Stepper::link_full_points(const Skeleton& soil, const State& state) {
   const auto full = [&](Index a) {
     return std::max(0.0, 1.0 - (1.0 - state.water[a] / state.pores[a]) / steps::air_in_full_soil);
   };
-  // Square of a cell's width [m2] times the increase of its pores per volume of soil and metre of head.
+  // Square of a cell's width [m2] times the increase of its pores, per volume of soil and metre of head.
   const auto yields = [&](Index a) { return space_ ? soil.give[a] / std::cbrt(network_.volume[a]) : soil.give[a]; };
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
     const Link& link = network_.links[i];
@@ -171,7 +171,7 @@ coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& st
     return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
   accept(interval, state);
   state.largest_head = std::max(state.largest_head, attempted.largest_head);
-  // Growth is measured from `wanted`, so that a step that was cut at an instant does not limit the next one.
+  // Growth is relative to `wanted`, so that a step cut short at an output instant does not limit the next step.
   state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
   return coupling::Outcome::accept();
 }
@@ -209,7 +209,7 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
     net_[segment.point] += in.value;
     if (with_matrix) matrix_[matrix_.diagonal(segment.point)] -= interval * in.slope;
   }
-  // The levels satisfy the rows of the wells already. The rows only tell the points how the levels will follow.
+  // The levels already satisfy the rows of the wells. These rows only show the points how the levels will follow.
   for (std::size_t w = 0; w < pumps_.size(); ++w) {
     const Pump& pump = pumps_[w];
     const std::size_t row = network_.size() + w;
@@ -254,7 +254,7 @@ void Stepper::find_levels() {
     double at_low = excess(low);
     pump.empty = at_low >= 0.0;
     if (!pump.empty) {
-      // The flow rises with the level: above the screen in proportion, within it more slowly.
+      // The flow grows with the level: linearly above the screen, more slowly within it.
       double at_high = excess(high);
       for (double step = spacing_; at_high < 0.0; step *= 2.0) {
         low = high;
@@ -262,7 +262,7 @@ void Stepper::find_levels() {
         high += step;
         at_high = excess(high);
       }
-      // False position with halved weights (Dowell & Jarratt 1971).
+      // The level is found by false position with halved weights (Dowell & Jarratt 1971).
       const double close = wells::level_accuracy * spacing_;
       for (int side = 0, i = 0; high - low > close && at_high > 0.0 && i < wells::most_searches; ++i) {
         const double level = low + (high - low) * at_low / (at_low - at_high), value = excess(level);
@@ -292,8 +292,8 @@ bool Stepper::solve(double interval, State& state) {
   for (int iteration = 0;; ++iteration) {
     flow_->set(variable_);
     balance(interval, state, true);
-    // A point without water cannot pay a debt of earlier residuals. It keeps the debt until enough water comes; until
-    // then it stays empty, whatever its neighbours do.
+    // A point without water cannot supply the residual left by earlier steps. It keeps this residual until enough water
+    // comes; until then it stays empty, whatever its neighbours do.
     for (std::size_t a = 0; a < n; ++a) {
       if (!(residual_[a] > 0.0) || !flow_->is_empty(static_cast<Index>(a))) continue;
       residual_[a] = 0.0;
@@ -310,13 +310,13 @@ bool Stepper::solve(double interval, State& state) {
     const auto move = [&](std::size_t a) {
       return flow_->limited(static_cast<Index>(a), before[a], before[a] + part * change[a], stopped_[a]);
     };
-    // Between two pieces of the curves Newton's steps can go back and forth for ever; a part of a step ends that.
+    // Between two pieces of the curves, Newton's steps could go back and forth for ever: shorter steps end that.
     if (iteration >= steps::whole_steps && left > left_before && part > steps::least_part) {
       part *= 0.5;
       for (std::size_t a = 0; a < n; ++a) variable_[a] = move(a);
       continue;
     }
-    // A point that is full and without flow does not depend on its variable. Its row gets a diagonal.
+    // The content of a full point without flow does not depend on its variable: the row needs some diagonal.
     for (std::size_t a = 0; a < n; ++a)
       if (matrix_[matrix_.diagonal(a)] == 0.0) matrix_[matrix_.diagonal(a)] = pores_;
     for (double& r : residual_) r = -r;
@@ -339,14 +339,14 @@ double Stepper::solve_linear(std::span<const double> right, double tolerance, Sc
 }
 
 Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& state) {
-  // With g = 1 - 1/sqrt(2): w1 = w + g dt net(u1), w2 = w + (1 - g) dt net(u1) + g dt net(u2).
+  // Two stages, with g = 1 - 1/sqrt(2): w1 = w + g dt net(u1), w2 = w + (1 - g) dt net(u1) + g dt net(u2).
   const double g = 1.0 - std::sqrt(0.5);
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
   for (std::size_t w = 0; w < pumps_.size(); ++w) pumps_[w].level = state.level[w];
-  // Residuals of earlier steps, for example in full cells, cannot be removed in a short step; they are allowed for
-  // (carried_).
+  // Residuals of earlier steps, for example in full cells, cannot be removed in a short step: the tolerance allows for
+  // them (carried_).
   std::fill(evens_.begin(), evens_.end(), 0.0);
   if (soil) {
     link_full_points(*soil, state);
@@ -375,14 +375,14 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
   begin({state.time, interval, state.time + interval});
   if (soil) see(*soil, 1.0);
-  // The initial guess extrapolates the first stage.
+  // The initial guess of the second stage extrapolates the first stage.
   for (std::size_t a = 0; a < n; ++a) {
     const double before = state.variable[a], ahead = before + (variable_[a] - before) / g;
     char stopped = 1;
     variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
   }
   if (!solve(g * interval, state)) return {};
-  const double euler = 0.5 * interval / (1.0 - g);  // implicit Euler's error is this times the change of the rates
+  const double euler = 0.5 * interval / (1.0 - g);  // the error of implicit Euler, per change of the rates
   double differ = 0.0;
   ScalarArray difference(n);
   for (std::size_t a = 0; a < n; ++a) {

@@ -22,12 +22,12 @@ class Stepper {
   [[nodiscard]] State first_state(const Case& scene);
   /// The longest next step [s] that the error and the next corner of prescribed boundary values allow.
   [[nodiscard]] double proposal(const State& state) const;
-  /// Advances the state by one step. Where the error is too large or no solution is found, the state stays as it is,
-  /// and the result suggests a shorter step. soil: the soil that moves; null for rigid soil.
+  /// Advances the state by one step. If the error is too large or no solution is found, the state does not change, and
+  /// the result suggests a shorter step. soil: the soil that moves; null for rigid soil.
   coupling::Outcome step(double interval, const Skeleton* soil, State& state);
 
-  /// Time [s] in which the pressure of the cell that drains fastest would follow its neighbours', for the first step in
-  /// soil that moves.
+  /// Time [s] in which the cell that drains fastest adapts its pressure to its neighbours'. It is used for the first
+  /// step in soil that moves.
   [[nodiscard]] double time_of_a_cell(const Skeleton& soil) const;
 
   /// The flow model with the state's variables set.
@@ -38,9 +38,9 @@ class Stepper {
   /// Index in boundaries() of a segment's boundary.
   [[nodiscard]] std::size_t boundary_of(std::size_t segment) const { return boundary_of_[segment]; }
   struct Along {
-    std::size_t face = Segment::none, rain = Segment::none;  ///< the face and the rain that the boundary belongs to
+    std::size_t face = Segment::none, rain = Segment::none;  ///< the boundary's face and rain
     std::unique_ptr<PoreBoundary> boundary;
-    std::size_t well = Segment::none;  ///< the well that it belongs to
+    std::size_t well = Segment::none;  ///< the boundary's well
   };
   [[nodiscard]] const std::vector<Along>& boundaries() const { return boundaries_; }
   /// Volume of all pores [m3, 2D: m2].
@@ -50,29 +50,29 @@ class Stepper {
   struct Attempt {
     bool solved = false;
     double error = 0.0;         ///< error of the water content, over the volume of the pores
-    double head_error = 0.0;    ///< m, error of the head that the skeleton bears, mean over the soil
+    double head_error = 0.0;    ///< m, mean over the soil of the error of the head that the skeleton bears
     double largest_head = 0.0;  ///< m, largest head that the skeleton bears
   };
-  /// Computes a step of this length; state: only its counters change.
+  /// Computes a step of length `interval`. Of `state` only the counters change.
   Attempt attempt(double interval, const Skeleton* soil, State& state);
   /// Sets the links' resistance to pressures that alternate from point to point. Soil on points does not respond to
-  /// such pressures, so that undrained water would find no pressure at which it fits its pores. Between neighbours in
-  /// full soil there is therefore a flow T L^2 / (4 M) d(p_a - p_b)/dt, of second order in their distance (Aguilar et
-  /// al. 2008), with the transmissibility T, the constrained modulus M and the width L of a cell, V^(1/2) of its volume
-  /// V in 2D and V^(1/3) in 3D.
+  /// such pressures, so that undrained water would find no pressure for which it fits its pores. Neighbours in full
+  /// soil therefore exchange a flow T L^2 / (4 M) d(p_a - p_b)/dt, of second order in their distance (Aguilar et al.
+  /// 2008). T is the transmissibility, M the constrained modulus, and L the width of a cell of volume V: V^(1/2) in 2D,
+  /// V^(1/3) in 3D.
   void link_full_points(const Skeleton& soil, const State& state);
-  /// The error of the head [m] that the skeleton bears at the step's end which errors of the points' contents [m3, 2D:
-  /// m2] cause, as mean over the soil and with the resulting flows included; and the largest head that the skeleton
-  /// bears.
+  /// content_error: errors of the points' contents [m3, 2D: m2]. Returns the error that they cause, with the resulting
+  /// flows, in the head [m] that the skeleton bears at the step's end, as mean over the soil; and the largest head that
+  /// the skeleton bears.
   std::pair<double, double> borne_error(std::span<const double> content_error);
-  /// Sets the pores to those at a fraction of the step.
+  /// Sets the pores to their volumes at a fraction `share` of the step.
   void see(const Skeleton& soil, double share);
-  /// Solves a stage by Newton's iteration from the present variables u: the water in each cell is what it holds without
-  /// this stage's flow (base_) plus interval [s] times its net inflow at u (net_). False where it does not converge.
+  /// Solves a stage by Newton's iteration from the present variables u. The water in each cell is its content without
+  /// this stage's flow (base_) plus interval [s] times its net inflow at u (net_). Returns whether it converges.
   bool solve(double interval, State& state);
-  /// Solves the matrix for x, to a residual of `tolerance` times the norm of `right`; returns the number of iterations.
+  /// Solves the matrix for x, to a residual of `tolerance` times the norm of `right`. Returns the number of iterations.
   double solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const;
-  /// Computes flows and the residual of each point, and with_matrix also the residuals' derivatives.
+  /// Computes flows and the residual of each point; if with_matrix, also the residuals' derivatives.
   void balance(double interval, const State& state, bool with_matrix);
   void begin(const StepTimes& times);
   void accept(double interval, State& state);
@@ -87,34 +87,34 @@ class Stepper {
   double pores_ = 0.0;
   SparseRows matrix_;
   std::vector<std::pair<Index, Index>> places_;  ///< for each link, the places of (a, b) and (b, a) in the matrix
-  /// A well whose level follows from its discharge: an unknown of its own, behind those of the points.
+  /// A well whose level follows from its discharge. The level is an additional unknown, after those of the points.
   struct Pump {
     std::size_t boundary = 0;
     std::vector<std::size_t> segments;
     std::vector<std::pair<Index, Index>> places;  ///< for each segment, the places of (point, well) and (well, point)
     double bottom = 0.0, top = 0.0;               ///< m, elevations of the screen's ends
     double level = 0.0;                           ///< m
-    bool empty = false;  ///< the soil yields less than the discharge: the well is empty down to its bottom
+    bool empty = false;  ///< the soil yields less than the discharge: the well has no water above its bottom
   };
-  /// Finds the levels of the wells that pump a prescribed discharge, at the present variables.
+  /// Finds the levels of the wells that pump a prescribed discharge, for the present variables.
   void find_levels();
-  /// Flow into the soil [m3/s, 2D: m2/s] through the screen of such a well at a level [m].
+  /// Flow into the soil [m3/s, 2D: m2/s] through the screen of a well that pumps, at a level [m].
   [[nodiscard]] double through_screen(const Pump& pump, double level) const;
   /// Derivative of a screen's inflow with respect to the level [m2/s, 2D: m/s].
   [[nodiscard]] double by_level_of(const Segment& segment, double level) const;
 
   std::vector<Pump> pumps_;
-  // of the present stage
+  // Quantities of the present stage.
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
   ScalarArray mean_net_, mean_inflow_;  ///< means over the step
-  double give_ = 0.0;                   ///< m2 (2D: m), increase of all pores together per metre of head
-  /// For each link between full points of soil that moves [m2, 2D: m]: volume of water that it passes per metre of
-  /// change in the difference of the heads that the skeleton bears.
+  double give_ = 0.0;                   ///< m2 (2D: m), increase of the total pore volume per metre of head
+  /// For each link between full points of soil that moves [m2, 2D: m]: volume of water that the link passes per metre
+  /// of change in the difference between the two heads that the skeleton bears.
   ScalarArray evens_;
   ScalarArray passed_, before_;  ///< m3 (2D: m2), volume that has left each point through these links as heads rose
                                  ///< from zero: now, and at the step's start
-  double carried_ = 0.0;         ///< m3 (2D: m2), sum of the differences between the stored water and the variables'
-                                 ///< water at the step's start
+  double carried_ = 0.0;         ///< m3 (2D: m2), sum over the points of the difference between stored water and the
+                                 ///< variables' water at the step's start
   std::vector<char> stopped_;
 };
 

@@ -6,9 +6,9 @@
 namespace poretwin::pore {
 
 /// In coordinates S x with S = (K / k)^(-1/2), K the tensor of conductivity and k its value along the beds, soil is
-/// isotropic (Samsioe 1931). Voronoi cells made there have sides along which K grad h has no part if h changes along
-/// the side only, so that flow between two points is exact for a linear head at any arrangement of the points. Where
-/// soils differ in their anisotropy there are no such common coordinates; S is then the identity.
+/// isotropic (Samsioe 1931). A head that changes only along a side of a Voronoi cell made in these coordinates drives
+/// no flow K grad h through the side, so that flow between two points is exact for a linear head at any arrangement of
+/// the points. Soils that differ in their anisotropy have no such common coordinates; S is then the identity.
 class Stretch {
  public:
   explicit Stretch(const Case& scene) {
@@ -26,25 +26,25 @@ class Stretch {
   /// From soil to stretched space, and back.
   [[nodiscard]] Point3 to(const Point3& x) const { return to_ * x; }
   [[nodiscard]] Point3 from(const Point3& x) const { return from_ * x; }
-  /// Ratio of a volume in stretched space to that in the soil, and the least ratio of lengths.
+  /// growth: ratio of a volume in stretched space to that in the soil. least: least such ratio of lengths.
   [[nodiscard]] double growth() const { return growth_; }
   [[nodiscard]] double least() const { return std::min(1.0, growth_); }
 
-  /// The plane outwards . x = deep of the soil, relative to a point, as a vector in stretched space from the point to
-  /// its mirror image at the plane.
+  /// The plane outwards . x = deep in the soil, with x relative to a point. Returns the vector in stretched space from
+  /// the point to its mirror image in this plane.
   [[nodiscard]] Point3 to_image(const Point3& outwards, double deep) const {
     const Point3 normal = from_ * outwards;
     return 2.0 * deep / normal.squaredNorm() * normal;
   }
 
-  /// Conductivity of a soil for the flow from one point to another through their cells' common side, over that along
-  /// the beds.
+  /// Conductivity of a soil for the flow from one point to another through the common side of their cells, over the
+  /// conductivity along the beds.
   [[nodiscard]] double between(const Case& scene, const Soil& soil, const Point3& way) const {
     if (shared_) return way.norm() / (to_ * (to_ * way)).norm();
     const Point3 e = way.normalized();
     return e.dot(porous::relative_conductivity(scene, soil) * e);
   }
-  /// Likewise for the flow through a part of the border with this normal (unit), at a uniform head.
+  /// The same ratio for the flow through a part of the border with this unit normal, for a head uniform on that part.
   [[nodiscard]] static double through(const Case& scene, const Soil& soil, const Point3& normal) {
     return normal.dot(porous::relative_conductivity(scene, soil) * normal);
   }

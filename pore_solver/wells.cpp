@@ -25,7 +25,7 @@ class Axis {
     from_ = well.points.front();
     direction_ = plane_ ? Point3::UnitZ() : Point3((well.points.back() - from_).normalized());
     length_ = plane_ ? 1.0 : (well.points.back() - from_).norm();
-    // A screen along the border of cells would lie in several; moved by this much it lies in one.
+    // A screen along the border of cells would lie in several cells; shifted by this distance it lies in one.
     constexpr double aside = 1e-6;  // spacings
     const double dx = scene.fluid.particle_spacing;
     from_ += aside * dx * (plane_ ? Point3(1.0, 0.7, 0.0) : Point3(1.0, 0.7, 0.4));
@@ -34,22 +34,22 @@ class Axis {
     last_ = length_ + soil_beyond(scene, length_, 1.0);
   }
   [[nodiscard]] bool plane() const { return plane_; }
-  [[nodiscard]] double length() const { return length_; }  ///< m; in 2D 1
-  /// The part of the axis in soil around the screen, as far as a patch looks [m].
+  [[nodiscard]] double length() const { return length_; }  ///< m; 1 in 2D
+  /// The part of the axis in soil around the screen [m], as far as a patch extends.
   [[nodiscard]] double first() const { return first_; }
   [[nodiscard]] double last() const { return last_; }
   [[nodiscard]] Point3 at(double along) const { return from_ + along * direction_; }
   [[nodiscard]] double along(const Point3& x) const { return plane_ ? 0.0 : direction_.dot(x - from_); }
-  /// Distance from the axis, also beyond its ends.
+  /// Distance from the axis, also from its continuation beyond its ends.
   [[nodiscard]] double distance(const Point3& x) const { return (x - at(along(x))).norm(); }
 
-  /// The part of the axis from `from` to `to` [m] that is nearer to point a than to its neighbours; empty: from > to.
+  /// The part of the axis from `from` to `to` [m] that is nearer to point a than to its neighbours; empty if from > to.
   [[nodiscard]] std::pair<double, double> in_cell(const Network& net, Index a, const std::vector<Index>& neighbours,
                                                   double from, double to) const {
     for (const Index b : neighbours) {
       const Point3 way = net.position[b] - net.position[a];
       const double here = way.dot(0.5 * (net.position[a] + net.position[b]) - from_), slope = way.dot(direction_);
-      // Inside where slope * s <= here.
+      // Points of the axis with slope * s <= here are nearer to a.
       if (plane_ || std::abs(slope) < 1e-12 * way.norm()) {
         if (here < 0.0) return {1.0, 0.0};
       } else if (slope > 0.0) {
@@ -62,7 +62,7 @@ class Axis {
   }
 
  private:
-  /// How far the soil goes on [m] from a place of the axis in a direction, as far as a patch looks.
+  /// How far soil extends from a place of the axis in a direction [m], at most as far as a patch extends.
   [[nodiscard]] double soil_beyond(const Case& scene, double along, double direction) const {
     const double dx = scene.fluid.particle_spacing, most = (wells::patch_beyond + 2.0) * dx;
     const auto in_soil = [&](double way) {
@@ -87,7 +87,7 @@ class Axis {
   double length_ = 0.0, first_ = 0.0, last_ = 1.0;
 };
 
-/// The logarithm of the equivalent radius at each pierced point of a patch of the network.
+/// Computes the logarithm of the equivalent radius at each point pierced by the well, on a patch of the network.
 class Patch {
  public:
   Patch(const Case& scene, const Network& net, const Axis& axis) : net_(net), axis_(axis) {
@@ -129,7 +129,7 @@ class Patch {
         diagonal[i] += t;
         if (other->second == prescribed) right[i] += t * std::log(axis_.distance(net_.position[b]));
       }
-      // The reference flow goes to the whole axis, also beyond the screen, and does not depend on the place along it.
+      // The reference flow goes to the whole axis, also beyond the screen, and is uniform along it.
       const auto [low, high] = axis_.in_cell(net_, point_[i], around, axis_.first(), axis_.last());
       if (!(high > low)) continue;
       right[i] -= 2.0 * pi * (high - low);
@@ -163,8 +163,8 @@ class Patch {
   static constexpr Index prescribed = static_cast<Index>(-1);
   const Network& net_;
   const Axis& axis_;
-  std::map<Index, Index> row_;  ///< of each point of the patch: its row, or `prescribed`
-  std::vector<Index> point_;    ///< of each row
+  std::map<Index, Index> row_;  ///< row of each point of the patch, or `prescribed`
+  std::vector<Index> point_;    ///< point of each row
   std::vector<std::vector<std::pair<Index, double>>> neighbours_;
 };
 
@@ -192,7 +192,7 @@ void add_wells(const Case& scene, Network& network) {
                         "m; expected a narrower well or a larger fluid.particle_spacing",
                         scene.path.string(), w, well.radius, p.equivalent_radius));
       const Point3 a = well.points.front() + p.from * direction, b = well.points.front() + p.to * direction;
-      // A screen that is not upright also rises and falls around its circumference.
+      // A screen that is not upright extends up and down around its circumference, too.
       const double aside = well.radius * std::sqrt(std::max(0.0, 1.0 - std::pow(up.dot(direction), 2)));
       Segment s;
       s.point = p.point;

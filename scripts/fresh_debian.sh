@@ -1,10 +1,12 @@
-# A fresh Debian 12 in a chroot, for scripts that test on one. Source it after setup.sh, from the repository's root.
-# Needs root, debootstrap (installed when missing) and a Debian mirror. FRESH names a file that keeps the fresh Debian for reuse.
+# Makes a fresh Debian 12 in a chroot, for scripts that test there. Source this file after setup.sh, from the repository's root.
+# Needs root, debootstrap (installed when missing) and a Debian mirror. The variable FRESH may name a file (tar) in which the fresh
+# Debian is kept for reuse.
 
 passed=(http_proxy)  # variables that commands in the chroot inherit where they are set
 
-# fresh_debian NAME [COMMAND:PACKAGE...]: makes it at $root, in the temporary folder $place, which is removed when the script
-# ends; "${in_root[@]}" COMMAND... runs inside. Installs the given packages on this machine where their commands are missing.
+# fresh_debian NAME [COMMAND:PACKAGE...]: makes the fresh Debian in $root, in the temporary folder $place, which is removed when the
+# script ends. "${in_root[@]}" COMMAND... then runs a command in it. Each PACKAGE is installed on this machine if its COMMAND is
+# missing.
 fresh_debian() {
   local name=$1 fresh=${FRESH:-} file variable
   shift
@@ -34,7 +36,7 @@ fresh_debian() {
   for variable in "${passed[@]}"; do [ -z "${!variable:-}" ] || in_root+=("$variable=${!variable}"); done
 }
 
-# inside COMMANDS: runs them by a shell in the chroot, which stops at the first failure.
+# inside COMMANDS: runs the commands by a shell in the chroot, which stops at the first failure.
 inside() { "${in_root[@]}" /bin/bash -euc "$1"; }
 
 leave() {

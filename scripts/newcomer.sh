@@ -1,8 +1,8 @@
 #!/bin/bash
-# The first steps of a new user on a fresh Debian 12: clone, ./run.sh, the run in a browser; prints seconds and CPU seconds of
-# each step.
-# Fails if a step fails. Whether all takes less than ten minutes is only reported: it depends on machine and network.
-# Needs Chromium and node (installed when missing); FRESH: see scripts/fresh_debian.sh.
+# Takes the first steps of a new user on a fresh Debian 12: clone, ./run.sh, viewing the run in a browser. Prints seconds and CPU
+# seconds of each step.
+# Fails if a step fails. Whether all steps take less than ten minutes is only reported: it depends on machine and network.
+# Needs Chromium and node (installed when missing). FRESH: see scripts/fresh_debian.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -16,10 +16,10 @@ end() {
 }
 fresh_debian newcomer chromium:chromium node:nodejs npm:npm
 trap end EXIT
-node view/tests/look.mjs "$place/browser"  # installing what drives the browser is not counted
-git bundle create "$root/poretwin.bundle" HEAD >/dev/null 2>&1  # in place of a server
+node view/tests/look.mjs "$place/browser"  # installs what drives the browser; its time is not counted
+git bundle create "$root/poretwin.bundle" HEAD >/dev/null 2>&1  # is cloned in place of a repository on a server
 
-# step WHAT COMMAND...: runs it with its output in the log, and prints its time.
+# step WHAT COMMAND...: runs the command with its output in the log, and prints its time.
 whole=0
 step() {
   local what=$1 begun ended TIMEFORMAT='%U %S'

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Installs the packages of build/packages on a fresh Debian 12 and uses them: a case, Python, a solver in C++ through the conformance suite.
-# FRESH: see scripts/fresh_debian.sh.
+# Installs the packages of build/packages on a fresh Debian 12 and uses them: runs a case, and the conformance suite for an example
+# solver in Python and one in C++. Then it removes the packages. FRESH: see scripts/fresh_debian.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

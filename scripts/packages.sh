@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
 
-packages+=" dpkg-dev"  # dpkg-shlibdeps
+packages+=" dpkg-dev"  # for dpkg-shlibdeps
 install_packages
 build release installable
 rm -rf build/packages

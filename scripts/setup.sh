@@ -1,16 +1,17 @@
-# Common to run.sh and test.sh: packages, configuration, build. Source it from the repository's root; every step may be repeated.
+# Functions common to run.sh, test.sh and the scripts: installing packages, configuring, building. Source this file from the
+# repository's root; every step may be repeated.
 
 packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-dev protobuf-compiler libhdf5-dev libeigen3-dev
 libtomlplusplus-dev voro++-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
 nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-scipy python3-h5py python3-matplotlib"
 
-# Commands that only the tests need, and their packages; a node from another source will do, too. gfortran: for an example of a
-# user's own material model.
+# Commands that only the tests need, with their packages (COMMAND:PACKAGE). A command that is there, from whatever source, is not
+# installed again. gfortran compiles an example of a user's own material model.
 test_commands="node:nodejs npm:npm chromium:chromium gfortran:gfortran"
 
 say() { printf '== %s\n' "$*"; }
 
-# install_packages [COMMAND:PACKAGE...]: installs missing packages; does nothing where all are there.
+# install_packages [COMMAND:PACKAGE...]: installs those of $packages that are missing, and each PACKAGE whose COMMAND is missing.
 install_packages() {
   local missing=() package
   for package in "$@"; do
@@ -33,7 +34,7 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
-# build PRESET [TARGET...]: configures and builds.
+# build PRESET [TARGET...]: configures a preset of CMakePresets.json and builds the targets (none named: all).
 build() {
   local preset=$1
   shift

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes a static site of the documentation: scripts/site.sh [FOLDER], by default build/site. May be repeated.
+# Makes a static web site of the documentation: scripts/site.sh [FOLDER], by default in build/site. May be repeated.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -9,7 +9,7 @@ install_packages
 out=$(realpath -m "${1:-build/site}") stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 say "building the site: $out"
-# mkdocs needs one folder of pages; links to other parts of the repository (sources, folders without a page) become plain text.
+# mkdocs needs all pages in one folder. Links to other parts of the repository (sources, folders without a page) become plain text.
 python3 - "$stage" <<'EOF'
 import pathlib, re, shutil, sys
 import yaml
@@ -31,10 +31,10 @@ def link(page, words, target):
     return f"[{words}]({target})" if there.is_file() else words
 
 for page in pages.rglob("*.md"):
-    text = re.sub(r"^```(\w+) .*$", r"```\1", page.read_text(), flags=re.MULTILINE)  # the rest of that line is for tests
+    text = re.sub(r"^```(\w+) .*$", r"```\1", page.read_text(), flags=re.MULTILINE)  # what follows the language is for tests
     page.write_text(re.sub(r"(?<!!)\[([^]]*)\]\(([^)\s]+)\)", lambda m: link(page, m[1], m[2]), text))
 
-nav = [{"Home": "README.md"}]  # pages in the groups of docs/index.md
+nav = [{"Home": "README.md"}]  # the pages, in the groups of docs/index.md
 for line in (pages / "docs/index.md").read_text().splitlines():
     if group := re.match(r"\| \*\*(.+)\*\* \|", line):
         nav.append({group[1]: []})
@@ -44,7 +44,7 @@ for line in (pages / "docs/index.md").read_text().splitlines():
             if not path.endswith(("theory/index.md", "notebook/README.md", "decisions/README.md")):
                 nav[-1][next(iter(nav[-1]))].append({words: path})
                 continue
-            chapters = re.findall(r"\]\(([\w-]+\.md)\)", (pages / path).read_text())  # in that page's order
+            chapters = re.findall(r"\]\(([\w-]+\.md)\)", (pages / path).read_text())  # in the order of that page
             folder = path.rpartition("/")[0]
             nav[-1][next(iter(nav[-1]))].append({words: [path, *(f"{folder}/{c}" for c in dict.fromkeys(chapters) if c != "paper.md")]})
 settings = {"site_name": "poretwin", "docs_dir": "pages", "theme": {"name": "mkdocs"}, "use_directory_urls": False, "nav": nav,

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Runs clang-tidy with the checks of .clang-tidy: scripts/tidy.sh on all sources, scripts/tidy.sh COMMIT on those that differ from
-# that commit. Fails if clang-tidy reports a mistake.
+# Runs clang-tidy with the checks of .clang-tidy. scripts/tidy.sh checks all sources, scripts/tidy.sh COMMIT the sources that differ
+# from that commit. Fails if clang-tidy reports a mistake.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

@@ -33,14 +33,14 @@ void Solid<D>::initialise(const Inbox& inbox) {
   if (setup_.initial_rest.sought) {
     rest_ = come_to_rest(setup_, state_);
     cache_.forget();
-    if (setup_.water.is_prescribed())  // at the positions that the soil has now
+    if (setup_.water.is_prescribed())  // at the present positions of the soil
       state_.external.pressure = take_pressure(setup_, inbox, state_.time, cache_, state_);
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
   }
   store_water_force(setup_, gradient_of(setup_, state_, state_.external.pressure, state_.time), {}, 1.0, state_);
   start_counting(state_);
-  // Soil that the case draws in motion is followed from the first window on. A search for equilibrium would stop it.
+  // Soil that moves at time zero is followed from the first window on: a search for equilibrium would stop it.
   const auto is_moving = [](const Vec<D>& v) { return !v.isZero(0.0); };
   if (setup_.coupling.coupled && setup_.domain.any(std::ranges::any_of(state_.particles.velocity, is_moving)))
     state_.motion.begins(long_window(setup_));

@@ -1,4 +1,4 @@
-// The solid as a phase of the mixture: the order of one window.
+// The solid as a phase of the mixture: the sequence of computations in one window.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -11,12 +11,12 @@ namespace poretwin::solid {
 template <int D>
 class Solid final : public Phase {
  public:
-  /// domain: the part of the soil that this process computes; the case's soils are those of this part.
+  /// domain: the part of the soil that this process computes; the case contains only this part's soils.
   explicit Solid(const Case& scene, const Domain& domain = {});
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;
-  /// A window can be rejected only where soil is coupled: without a fluid no equilibria are searched for in windows.
+  /// Windows can be rejected only if the soil is coupled: without a fluid, no equilibria are searched for in windows.
   [[nodiscard]] bool may_reject() const override { return setup_.coupling.coupled; }
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;

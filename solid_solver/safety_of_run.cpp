@@ -24,14 +24,14 @@ namespace {
 
 using coupling::Arguments;
 
-/// A name as a cell of a table.
+/// A name as a cell of a CSV table.
 std::string cell(std::string name) {
   std::ranges::replace_if(
       name, [](char c) { return c == ',' || c == '"' || c == '\n'; }, ' ');
   return name;
 }
 
-/// Name of the water face nearest to x [m] (2D); empty where no named face is there.
+/// Name of the water face nearest to x [m] (2D); empty if that face has no name.
 std::string nearest_face(const Case& scene, const Point3& x) {
   std::string name;
   if (scene.general.dimension != 2) return name;
@@ -64,7 +64,7 @@ std::string row_of(const Case& scene, const Setup<D>& setup, std::size_t frame, 
   return row;
 }
 
-/// The soil of a frame with how it fails.
+/// The soil of a frame, with the way in which it fails.
 template <int D>
 OutputFrame shown(const Setup<D>& setup, const State<D>& state, const FactorOfSafety<D>& found) {
   OutputFrame frame = frame_of(setup, state);
@@ -91,7 +91,7 @@ struct Work {
   std::size_t found = 0;
 };
 
-/// Returns whether it was interrupted.
+/// Searches the factors for all frames; returns whether it was interrupted.
 template <int D>
 bool search_all(const Arguments& arguments, const Case& scene, Work& work) {
   const FrameFile frames(arguments.safety_of);

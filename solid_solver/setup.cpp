@@ -25,14 +25,14 @@
 namespace poretwin::solid {
 namespace {
 
-/// Number of parts into which this number of particles is cut. It does not depend on the number of threads. With more
-/// and smaller parts more pairs would cross parts and be stored twice.
+/// Number of parts into which this number of particles is divided, for any number of threads. With more and smaller
+/// parts, more pairs would cross the border between parts and be stored twice.
 std::size_t parts_of(std::size_t particles) {
   constexpr std::size_t worth_two = 3072, least = 4096, most = 16;
   return particles < worth_two ? 1 : std::clamp(particles / least, std::size_t{2}, most);
 }
 
-/// Sorts new particles, which lie in `box`, into slices across its longest extent, so that parts have short borders.
+/// Sorts new particles in `box` into slices across its longest extent, so that parts have short borders.
 template <int D>
 void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Particles<D>& particles) {
   int longest = 0;
@@ -53,7 +53,7 @@ void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Part
 }
 
 /// Whether no surface of the soil carries stress: grains without cohesion and without loads, on rough walls (with rows
-/// of fixed particles behind them) and beside upright rollers only. The stiffness at such surfaces may then be reduced.
+/// of fixed particles behind them), beside upright rollers only. The stiffness at such surfaces may be reduced.
 template <int D>
 bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   using Kind = typename Boundaries<D>::Kind;
@@ -66,8 +66,8 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
 }
 
-/// Weight of the densest soil over the whole height plus all loads [Pa]: the pressure at which stiffnesses that depend
-/// on pressure are evaluated.
+/// Weight of the densest soil over the whole height, plus all loads [Pa]: the pressure from which pressure-dependent
+/// stiffnesses are evaluated.
 template <int D>
 double weight_of_all(const Case& scene, const Setup<D>& setup) {
   double loads = 0.0;
@@ -75,18 +75,18 @@ double weight_of_all(const Case& scene, const Setup<D>& setup) {
   return *std::ranges::max_element(setup.density) * setup.gravity.norm() * setup.height + loads;
 }
 
-/// Courant number of the substeps of soil that moves (docs/theory/steps.md). Measured limits: 1.07 at the tips of
-/// wedges cut off by walls with image particles, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
+/// Courant number of the substeps of moving soil (docs/theory/steps.md). Measured limits of stability: 1.07 at the tips
+/// of wedges that walls with image particles cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {
   if (scene.coupled()) return steps::careful;
   return !setup.soft_edges ? steps::courant : D == 2 ? steps::courant_soft_2d : steps::courant_soft_3d;
 }
 
-/// sum V W at a lattice point, with the point itself: 1.018 in 2D, 1.017 in 3D.
+/// sum V W at a point of a lattice, the point itself included: 1.018 in 2D, 1.017 in 3D.
 template <int D>
 double lattice_cover() {
-  constexpr int reach = 2;  // spacings; the kernel's support is 2.4
+  constexpr int reach = 2;  // spacings; the support of the kernel is 2.4
   constexpr int across = D == 3 ? reach : 0;
   double sum = 0.0;
   for (int i = -reach; i <= reach; ++i)
@@ -96,7 +96,7 @@ double lattice_cover() {
   return sum;
 }
 
-/// Length [m] of the part of a line along which soil lies; 0 for a plane.
+/// Length [m] of the part of a line beside which soil lies; 0 for a plane.
 double length_along_soil(const Case& scene, const Face& face, double spacing) {
   const auto is_soil = [&](const Point3& x) {
     return std::any_of(scene.soils.begin(), scene.soils.end(),
@@ -119,7 +119,7 @@ double length_along_soil(const Case& scene, const Face& face, double spacing) {
   return length;
 }
 
-/// Distance of x from a piece of a line [m], and how far x lies before its first and behind its last end [m].
+/// Distance [m] of x from a piece of a line, and how far [m] x lies before its first end and behind its last one.
 struct Beside {
   double distance = 0.0, before = 0.0, behind = 0.0;
 };
@@ -131,9 +131,9 @@ Beside beside(const sph::ImagePlane<D>& piece, const Vec<D>& x) {
   return {std::hypot(across, std::max({before, behind, 0.0})), before, behind};
 }
 
-/// Attaches a load's traction to the particles near its face, each on the nearest of the face's straight pieces. reach
-/// [m] is two kernel supports: a surface changes the correction within one support, and the force of unit stress within
-/// two.
+/// Attaches a load's traction to the particles near its face, each on the nearest straight piece of the face. reach [m]
+/// is two kernel supports: a surface changes the correction within one support, and the force of a unit stress within
+/// two supports.
 template <int D>
 void attach_load(const Case& scene, std::size_t which, double reach, double margin, const VecArray<D>& positions,
                  Setup<D>& setup) {
@@ -219,7 +219,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = points::lengths_per_spacing * setup.spacing;
   setup.full_cover = lattice_cover<D>();
-  // The skin ends just below the neighbours of a lattice at sqrt(8) spacings. It makes lists of flowing soil last as
+  // The skin ends just below the lattice neighbours at a distance of sqrt(8) spacings. So lists of flowing soil last as
   // long as possible without additional pairs in soil at rest.
   setup.skin = scene.solid.list_skin * setup.spacing;
   setup.can_yield = scene.can_yield();
@@ -295,7 +295,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
   }
   if (particles.size() == 0)
     throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
-  Eigen::AlignedBox<double, D> box;  // of the soil that is free to move
+  Eigen::AlignedBox<double, D> box;  // box around the soil that is free to move
   for (const auto& x : particles.position) box.extend(x);
   lay_in_slices(box, setup.spacing, particles);
   hold_soil_behind_rough_walls<D>(scene, setup, particles);
@@ -335,14 +335,14 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
     const double stiffest = model.stiffest(setup.largest_pressure[s]).constrained();
     setup.stiffens.push_back(model.stiffest(2.0 * setup.largest_pressure[s]).constrained() > stiffest ? 1 : 0);
     fastest = std::max(fastest, std::sqrt(stiffest / setup.density[s]));
-    // Of the softest soil: hourglass control must not stiffen one soil with the modulus of another.
+    // The softest soil counts: hourglass control must not stiffen one soil with the modulus of another.
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, setup.typical[s].constrained());
   }
   setup.stabilisers.sound_speed = fastest;
   setup.boundaries = make_boundaries<D>(scene, setup.range());
-  if (setup.boundaries.surfaces) setup.quiet.regions = 0.0;  // their parents' forces need all rows
+  if (setup.boundaries.surfaces) setup.quiet.regions = 0.0;  // forces on images' parents need all rows
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
-  // Waves that these longer substeps resolve poorly disturb the flow and reduce its friction.
+  // These longer substeps resolve some waves poorly, which disturb the flow and reduce its friction: they are damped.
   if (setup.soft_edges) setup.stabilisers.bulk = points::bulk_viscosity * fastest * setup.spacing;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;

@@ -1,4 +1,4 @@
-// What stays constant during a run: the quantities of the case in the form that the solver uses.
+// The properties that stay constant during a run: the quantities of the case in the form that the solver uses.
 #pragma once
 
 #include "common/media/seepage.hpp"
@@ -15,15 +15,15 @@
 
 namespace poretwin::solid {
 
-/// A traction on the particles near one straight piece of a loaded face. It stays with these particles.
+/// A traction on the particles near one straight piece of a loaded face. It always acts on the same particles.
 template <int D>
 struct LoadedPatch {
   Vec<D> traction = Vec<D>::Zero();                         ///< Pa
   Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
-  double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always acted
+  double start = -std::numeric_limits<double>::infinity();  ///< s; a load that always acts has the start -infinity
   double level = 0.0;                                       ///< normal . x [m] of the points x on the face
   std::vector<Index> particles;
-  std::optional<WaterFace> water_face;  ///< water face of the case that lies on this piece
+  std::optional<WaterFace> water_face;  ///< water face of the case that coincides with this piece
   std::optional<Series> factor;         ///< factor on the traction as a function of time; absent: 1
   std::size_t load = 0;                 ///< index of the load in the case
   double length = 0.0;  ///< m, length of the load's whole line along which soil lies (3D: m2, area of its part of a
@@ -38,7 +38,7 @@ struct WaterSetup {
   double weight = 0.0;               ///< N/m3, specific weight to which the case's `conductivity` refers
   bool drags = true;                 ///< water and skeleton exchange seepage forces
   SolidCase::PressureGradient gradient = SolidCase::PressureGradient::difference;
-  std::vector<PorePressure> prescribed;  ///< prescribed pore pressures of soil that runs alone; empty: a fluid gives
+  std::vector<PorePressure> prescribed;  ///< prescribed pore pressures, for soil without a fluid; empty: a fluid gives
                                          ///< the pressure
   bool is_field = false;                 ///< the fluid is a field on the soil's points: it gives a pressure and a
                                          ///< degree of saturation
@@ -53,22 +53,22 @@ inline porous::Seepage seepage_at(const WaterSetup& water, const Soil& soil, dou
   return porous::seepage_at(soil, porosity, water.weight / water.density, water.kinematic_viscosity);
 }
 
-/// How soil and water pass a window together.
+/// How soil and water are computed together in a window.
 struct CouplingSetup {
   bool coupled = false;     ///< a fluid takes part
   bool predicts = false;    ///< the fluid predicts the soil's motion
-  bool repeats = false;     ///< windows are repeated until both agree
+  bool repeats = false;     ///< windows are repeated until fluid and solid agree
   bool keep_points = true;  ///< points that have not moved keep their revision number
   // Forces over the weight:
   double worth_repeating = 0.0;  ///< force borne by neither phase above which the first pass is repeated
-  double settled_below = 0.0;    ///< force that the departure from the prediction may still call for in a repeated
-                                 ///< window
+  double settled_below = 0.0;    ///< in a repeated window: force that the departure from the prediction may still
+                                 ///< require
 };
 
 /// The search for the soil's rest before time zero.
 struct InitialRest {
   bool sought = true;
-  bool bears_seepage = false;  ///< the seepage force of steadily flowing water acts, not its buoyancy alone
+  bool bears_seepage = false;  ///< steady seepage force acts, not only the water's buoyancy
 };
 
 template <int D>
@@ -77,16 +77,16 @@ struct Setup {
   double spacing = 0.0;           ///< m
   double smoothing_length = 0.0;  ///< m
   double full_cover = 1.0;        ///< sum V W in soil on its initial lattice
-  double skin = 0.0;              ///< m, margin of the pair lists: they hold until a particle has moved by half of it
-  std::size_t parts = 1;          ///< parts of the particles that threads share: the same number on every machine
+  double skin = 0.0;              ///< m, margin of the pair lists: valid until a particle has moved by half of it
+  std::size_t parts = 1;          ///< parts of the particles that threads share: as many on every machine
   bool can_yield = false;         ///< some soil of the case can yield
   bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< soil at surfaces that carry no stress is less stiff, which allows longer substeps
-  double flow_limit = points::flow_limit;  ///< plastic strain above which hourglass control is off, because it would
-                                           ///< brake the flow
+  double flow_limit = points::flow_limit;  ///< plastic strain above which hourglass control is off: it would brake the
+                                           ///< flow
   double inertia_share = 0.5;              ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
   bool counts_impulses = false;            ///< impulses from outside are summed, for a gauge
-  bool parallel = false;  ///< parallel scheme: the fluid's values are those of the last window; where it predicts the
+  bool parallel = false;  ///< parallel scheme: the fluid's values are those of the last window; if it predicts the
                           ///< soil's motion, Z = C / n^2 + zr rho_bar / Dt
   Vec<D> gravity = Vec<D>::Zero();
   double longest_substep = 0.0;  ///< s
@@ -103,31 +103,31 @@ struct Setup {
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;
   std::vector<PlateSetup<D>> plates;
-  std::vector<Soil> soils;  ///< with the strength that the models use; `model` is set in each
+  std::vector<Soil> soils;  ///< strength is as the models use it; `model` is set for each soil
   std::vector<std::shared_ptr<const ConstitutiveModel>> models;  ///< one per soil
-  std::vector<Elasticity> typical;  ///< one per soil: moduli under half the weight of soil and loads, where they depend
-                                    ///< on pressure
+  std::vector<Elasticity> typical;  ///< one per soil: moduli under half the weight of soil and loads, if they depend on
+                                    ///< pressure
   ScalarArray largest_pressure;     ///< Pa, one per soil: largest mean effective pressure that the substep allows for
   std::vector<char> stiffens;       ///< one per soil: 1 where a higher pressure would make waves faster than the
                                     ///< substep allows
   ScalarArray density;              ///< kg/m3, initial bulk density rho_bar_s, one per soil
   ScalarArray grain_density;        ///< kg/m3, density of the grains with the residual water that moves with them, one
                                     ///< per soil
-  ScalarArray grain_share;          ///< volume fraction of the grains in grains and residual water, one per soil
+  ScalarArray grain_share;          ///< volume fraction of the grains in grains plus residual water, one per soil
   std::vector<char> constant_volume;    ///< one per soil: 1 where it shears without dilation
-  std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: grains never come apart
+  std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: its grains never come apart
   std::vector<char> softened_by_water;  ///< one per soil: 1 where the cohesion depends on the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };
 
-/// Volume fraction of what moves with the skeleton, n_s = m / (rho_s V), Eq. (50): the grains and, in soil that is
-/// moist at first, its residual water. Water can fill the rest of the volume.
+/// Volume fraction of the matter that moves with the skeleton, n_s = m / (rho_s V), Eq. (50): the grains and, in
+/// initially moist soil, its residual water. Water can fill the rest of the volume.
 template <int D>
 double solid_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
   return particles.mass[i] / (setup.grain_density[particles.material[i]] * particles.volume[i]);
 }
 
-/// Porosity: volume fraction of everything but the grains.
+/// Porosity: volume fraction of all matter except the grains.
 template <int D>
 double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
   return 1.0 - setup.grain_share[particles.material[i]] * solid_fraction(setup, particles, i);
@@ -145,18 +145,18 @@ Elasticity moduli(const Setup<D>& setup, const Particles<D>& particles, std::siz
   return setup.models[particles.material[i]]->moduli(particles.stress[i], particles.state_of(i));
 }
 
-/// Throws DivergedError where soil whose stiffness depends on the pressure bears more than the substep allows for.
+/// Throws DivergedError where the pressure on soil with pressure-dependent stiffness exceeds what the substep allows.
 template <int D>
 void expect_bearable_pressure(const Setup<D>& setup, const Particles<D>& particles);
 
-/// Unit vector against gravity; along the last axis where there is no gravity.
+/// Unit vector against gravity; along the last axis if there is no gravity.
 template <int D>
 Vec<D> upwards(const Setup<D>& setup) {
   const double g = setup.gravity.norm();
   return g > 0.0 ? Vec<D>(-setup.gravity / g) : Vec<D>(Vec<D>::Unit(D - 1));
 }
 
-/// The same setup with the strength of all soils divided by a factor.
+/// A copy of the setup with the strength of all soils divided by a factor.
 template <int D>
 Setup<D> weaker(const Setup<D>& setup, double factor);
 

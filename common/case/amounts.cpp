@@ -10,7 +10,7 @@
 namespace poretwin {
 namespace {
 
-/// Number of lattice rows along a length: the same as fill() makes.
+/// Number of lattice rows that fill() makes along a length.
 double rows(double length, double spacing) { return std::max(1.0, std::round(length / spacing)); }
 
 double particles_in(const Shape& shape, double spacing, int dimension) {
@@ -21,7 +21,7 @@ double particles_in(const Shape& shape, double spacing, int dimension) {
   return count;
 }
 
-/// Number of output times: the first, the last, and every multiple of `interval` between them (none where it is 0).
+/// Number of output times: time zero, the end, and the multiples of `interval` between them (if it is not 0).
 double instants(double end, double interval) { return interval > 0.0 ? std::floor(end / interval) + 1.0 : 2.0; }
 
 }  // namespace
@@ -67,11 +67,11 @@ Amounts estimate(const Case& scene) {
           instants(scene.general.end_time, scene.output.gauge_interval) *
           (gauge.kind == "point" || gauge.kind == "height" ? static_cast<double>(gauge.points.size()) : 1.0);
   // Bytes of state, neighbour lists and exchange per particle; 3D particles have four to five times as many neighbours.
-  // Points of a field have few neighbours; most of theirs is the linear solver's directions: 2.2 kB were measured for
-  // 97,600 points in 3D.
+  // A point of a field has few neighbours: most of its memory holds the search directions of the linear solver.
+  // Measured: 2.2 kB per point, for 97,600 points in 3D.
   const double of_particle = dimension == 3 ? 12e3 : 3e3, of_point = 3e3;
   a.memory_bytes = 40e6 + (scene.is_field() ? of_point : of_particle) * a.fluid + of_particle * a.solid;
-  // Bytes per soil particle of its stiffness and of the levels of multigrid; measured for 22,760 and 50,000 particles.
+  // Bytes per soil particle for its stiffness and the multigrid levels, measured with 22,760 and 50,000 particles.
   constexpr double of_stiffness = 3e3;
   if (dimension == 3 && scene.coupled()) a.memory_bytes += of_stiffness * a.solid;
   return a;

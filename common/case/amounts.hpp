@@ -1,4 +1,4 @@
-// How large a run of a case will be, estimated from areas and volumes before any particle is made.
+// The size of a run of a case, estimated from areas and volumes before any particle is made.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -14,8 +14,8 @@ struct Amounts {
   double fluid_full = 0.0;          ///< water particles once all soil is saturated, where faces let water in
   double frames = 0.0;
   double frame_bytes = 0.0;   ///< all frames together
-  double gauge_rows = 0.0;    ///< rows of gauges.csv; 0 where gauges are read at every exchange, whose number is not
-                              ///< known
+  double gauge_rows = 0.0;    ///< rows of gauges.csv; 0 where gauges are read at every exchange, since the number of
+                              ///< exchanges is unknown
   double memory_bytes = 0.0;  ///< all processes together
 };
 Amounts estimate(const Case& scene);
@@ -23,8 +23,8 @@ Amounts estimate(const Case& scene);
 /// The finest particle spacing of the phases that run [m].
 double finest_spacing(const Case& scene);
 
-/// A lattice spacing for tests that visit all of a shape: the given spacing, or a coarser one where the box around the
-/// shape would hold more than 1e5 points.
+/// Lattice spacing for tests that examine a whole shape: the given spacing, or a coarser one if the box around the
+/// shape would contain more than 1e5 points.
 double spacing_to_look_at(const Shape& shape, double spacing, int dimension);
 
 }  // namespace poretwin

@@ -16,8 +16,8 @@ class Bodies : Complaints {
   Bodies(Case& scene, const Places& places)
       : Complaints(scene, places), d_(scene.general.dimension), spacing_(finest_spacing(scene)) {}
 
-  /// always: also of a box or ball along the axes. facets: departure of facets from curved surfaces, over the usual
-  /// one.
+  /// Makes the solid of a shape. always: even for a box or ball along the axes. facets: factor on the largest distance
+  /// allowed between facets and the curved surface for which they stand.
   void make(Shape& shape, const std::string& key, bool always = false, double facets = 1.0) const {
     if (d_ == 2) return place_in_plane(shape, key);
     const bool turned = shape.placement && shape.placement->turn != 0.0;
@@ -29,7 +29,7 @@ class Bodies : Complaints {
       parts.push_back({mesh_of(shape.within[i], fmt::format("{}.within[{}]", key, i), facets), false});
     for (std::size_t i = 0; i < shape.without.size(); ++i)
       parts.push_back({mesh_of(shape.without[i], fmt::format("{}.without[{}]", key, i), facets), true});
-    // Cells as large as a spacing would leave the volume of a small body 0.4 % off.
+    // With cells as large as a spacing, the volume of a small body would be wrong by 0.4 %.
     constexpr double resolution = 0.1;  // spacings
     shape.solid = std::make_shared<const Solid>(std::move(parts), resolution * spacing_);
     if (!(shape.solid->volume() > 0.0))
@@ -49,7 +49,7 @@ class Bodies : Complaints {
     place_as_it_is(s);
   }
 
-  /// Boxes along the axes, balls and polygons in the plane.
+  /// Places boxes along the axes, balls, and polygons in the plane.
   void place_as_it_is(Shape& s) const {
     if (!s.placement) return;
     const Placement p = *s.placement;
@@ -156,7 +156,7 @@ void make_solids(Case& scene, const Places& places) {
     bodies.make(scene.fluid.regions[i], fmt::format("fluid.region[{}]", i));
   for (std::size_t i = 0; i < scene.walls.size(); ++i)
     if (scene.walls[i].shape) {
-      // Soil that slides along a wall is strained by the bends between its facets.
+      // Soil that slides along a wall is strained at every edge between facets: finer facets strain it less.
       constexpr double finer = 0.1;
       const bool beside_soil = scene.deformable() && scene.walls[i].soil != Wall::ForSoil::none;
       bodies.make(*scene.walls[i].shape, fmt::format("wall[{}]", i), true, beside_soil ? finer : 1.0);

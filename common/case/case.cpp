@@ -111,7 +111,7 @@ constexpr std::string_view shape_meaning =
     "Box, ball (2D: disc), polygon (3D: extruded along, or revolved around an axis); in 3D also cylinder, cone, `mesh` "
     "from a file, and the body below a `terrain`.";
 
-/// What a shape's kind is described by.
+/// Declares the keys that describe a shape of each kind.
 void declare_measures(Keys& keys, Shape& s) {
   using Kind = Shape::Kind;
   const int dimension = keys.dimension;
@@ -165,7 +165,7 @@ void declare_measures(Keys& keys, Shape& s) {
   if (p.scale != 1.0 || p.turn != 0.0 || !p.move.isZero(0.0)) s.placement = p;
 }
 
-/// A shape of its own, and by what it is cut.
+/// Declares the keys of a shape and of the shapes that cut it.
 void declare_rest(Keys& keys, Shape& s) {
   declare_measures(keys, s);
   const auto part = [](Keys& inner, Shape& other) {
@@ -185,7 +185,7 @@ void declare(Keys& keys, Shape& s) {
   declare_rest(keys, s);
 }
 
-/// Throws CaseError for a shape without its kind: it would be read as a box, and the missing keys of a box be reported.
+/// Throws CaseError for a shape without its kind: it would count as a box, and missing keys of a box be reported.
 void expect_kinds(const Node& tables, const std::string& path) {
   for (std::size_t i = 0; i < tables.items.size(); ++i) {
     const Node& table = tables.items[i];
@@ -201,8 +201,8 @@ void expect_kinds(const Node& tables, const std::string& path) {
   }
 }
 
-/// Replaces words and keys of earlier versions by those in use, and returns a warning for each. An old word is accepted
-/// for one version after its replacement.
+/// Replaces words and keys of earlier versions by the present ones, and returns a warning for each. An old word is
+/// accepted for one version after its replacement.
 std::vector<std::string> replace_old_words(Node& root) {
   struct Old {
     std::string_view section, key, old, now;
@@ -960,7 +960,7 @@ bool Case::can_yield() const {
 std::string Case::coupled_part() const {
   Case copy = *this;
   std::string part = list_keys([&](Keys& keys) { declare_shared(keys, copy); });
-  // Files of shapes may differ from machine to machine.
+  // The files of shapes may differ between machines: hence the points of the meshes are part of the text.
   for (const Soil& soil : soils)
     if (soil.shape.solid)
       for (const auto& body : soil.shape.solid->parts())
@@ -1006,7 +1006,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     integrate_by_rates(scene.solid.model);
     for (Soil& soil : scene.soils)
       if (soil.model) integrate_by_rates(*soil.model);
-    // The drag as a sum over pairs exists for soil at rest only.
+    // The drag can be a sum over pairs only in soil at rest.
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;

@@ -51,7 +51,7 @@ class Checker : Complaints {
     pore_pressures();
     if (scene_.has_water()) sides();
     gauges();
-    // The other limits are those of water particles: a field stays within its soil, so that no water can run out.
+    // The other checks are for water particles: a field stays within its soil, so that no water can run out.
     if (scene_.is_field()) return check_loads(scene_, places_);
     if (scene_.has_water()) enclosure();
     check_supported(scene_, places_);
@@ -77,7 +77,7 @@ class Checker : Complaints {
       fail("solid.particle_spacing", "expected a length > 0 m, found none");
   }
 
-  /// Refuses runs larger than any present machine could hold, before anything is made.
+  /// Refuses runs that no present machine could store, before any particle is made.
   void amounts() const {
     const Amounts a = estimate(scene_);
     const int dimension = scene_.general.dimension;
@@ -104,7 +104,7 @@ class Checker : Complaints {
                        most_rows));
   }
 
-  /// Refuses a shape much thinner than a spacing: the lattice in its box would have no row of particles.
+  /// Refuses a shape much thinner than a spacing, in which the lattice would have no row of particles.
   void extent(const Shape& s, const char* what, const std::string& key, double spacing) const {
     const auto [lower, upper] = bounds(s);
     for (int d = 0; d < scene_.general.dimension; ++d)
@@ -159,7 +159,7 @@ class Checker : Complaints {
                      piece(found->first), piece(found->second), shown(found->at)));
   }
 
-  /// A point inside both shapes, away from their edges; none where they only touch.
+  /// A point inside both shapes, away from their edges; empty where they only touch.
   [[nodiscard]] std::optional<Point3> common_point(const Shape& a, const Shape& b, double spacing) const {
     const int dimension = scene_.general.dimension;
     if (a.kind == Shape::Kind::box && b.kind == Shape::Kind::box) {
@@ -175,7 +175,7 @@ class Checker : Complaints {
     return std::nullopt;
   }
 
-  /// Positions of the particles in a shape; on a coarser lattice where there would be very many.
+  /// Positions of the particles in a shape; on a coarser lattice where there would be too many.
   [[nodiscard]] std::vector<Point3> lattice(const Shape& s, double spacing, const Point3& offset) const {
     std::vector<Point3> points;
     const auto take = [&](const auto& filled) {
@@ -321,7 +321,7 @@ class Checker : Complaints {
     return false;
   }
 
-  /// Refuses soil that neither rests on a wall, nor on supported soil, nor starts in motion; and soil that falls into
+  /// Refuses soil that neither rests on a wall or on supported soil nor starts in motion. Refuses soil that falls into
   /// water and conducts too little for a stable exchange with it (docs/stability.md).
   void soils_are_supported() const {
     const Point3& gravity = scene_.general.gravity;
@@ -353,7 +353,7 @@ class Checker : Complaints {
           more = more || supported[i];
         }
     }
-    constexpr double least = 1e-3;  // m/s; the exchange was measured to be stable from here on
+    constexpr double least = 1e-3;  // m/s; in measurements the exchange was stable above this conductivity
     for (std::size_t i = 0; i < n; ++i) {
       if (supported[i]) continue;
       const std::string key = fmt::format("soil[{}]", i);
@@ -437,7 +437,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Refuses an inlet that is no gap between walls: one end at least must lie on a wall, and no water behind the inlet.
+  /// Refuses an inlet that is no gap in a wall: none of its ends meets a wall, or water lies behind the inlet.
   void is_an_opening(const WaterFace& f, const std::string& key) const {
     const auto &a = f.face.points.front(), &b = f.face.points.back();
     const double slack = 1e-6 * (b - a).norm();
@@ -467,8 +467,8 @@ class Checker : Complaints {
                                             shown(place.at)));
   }
 
-  /// Checks the kind of a face: one with a reservoir of still water behind it, which needs no particles, or an inlet
-  /// through which water particles enter.
+  /// Checks the kind of a face: either a reservoir of still water, which needs no particles, stands behind it, or it is
+  /// an inlet through which water particles enter.
   void inlet(const WaterFace& f, const std::string& key) const {
     const bool real = is_inlet(scene_, f);
     if (f.discharge && !f.basin_area && !real)
@@ -504,7 +504,7 @@ class Checker : Complaints {
   }
   static double cross(const Point3& a, const Point3& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-  /// Why two straight pieces cannot both be walls; empty where they can (apart, or touching at an end).
+  /// Why two straight pieces cannot both be walls; empty where they can: they are apart, or touch at an end.
   [[nodiscard]] std::string conflict(const Piece& p, const Piece& q) const {
     const Point3 r = p.b - p.a, s = q.b - q.a, d = q.a - p.a;
     const double tolerance = 1e-9 * std::max(r.norm(), s.norm());
@@ -636,7 +636,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Walls with a shape: what they stand beside, and that water begins on the right side of them.
+  /// Checks of walls with a shape: what is beside them, and that all water begins on the side of the domain.
   void shaped_walls() const {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const Wall& wall = scene_.walls[i];
@@ -664,7 +664,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Refuses a wall with a shape whose images would not be right for soil that moves.
+  /// Refuses a wall with a shape that makes wrong images of moving soil.
   void beside_soil(const Wall& wall, const std::string& key) const {
     const double dx = scene_.solid.particle_spacing;
     if (wall.soil == Wall::ForSoil::rough)
@@ -676,7 +676,7 @@ class Checker : Complaints {
       fail(key + ".shape", fmt::format("is {:.4g} m thick at {} m: soil on its two sides would interact through it; "
                                        "expected {:.3g} m or more, {:g} particle spacings",
                                        thin->thickness, shown(thin->at), least_thickness * dx, least_thickness));
-    // Soil comes neither behind other walls nor above the highest soil at first.
+    // Only places that soil can reach count: not those behind other walls or above the highest soil.
     const Point3 up = -scene_.general.gravity.normalized();
     double top = -HUGE_VAL;
     for (const Soil& soil : scene_.soils)
@@ -704,7 +704,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Refuses moving soil that is drawn behind walls with a shape or so that their images do not fit it.
+  /// Refuses moving soil that is drawn behind walls with a shape, or so that the images behind these would be wrong.
   void soil_beside_shapes() const {
     if (!scene_.deformable() || scene_.general.dimension != 3) return;
     Surfaces walls;
@@ -718,8 +718,8 @@ class Checker : Complaints {
     if (!any) return;
     const double dx = scene_.solid.particle_spacing;
     constexpr double sharp = -0.51;   // cosine between the normals of walls that meet at 60 degrees, less rounding
-    constexpr double unpacked = 0.3;  // spacings; a row along a wall, or packed particles, lie half a spacing off it
-    constexpr double near = 1.5;      // spacings; two rows: walls that both are near leave no room between them
+    constexpr double unpacked = 0.3;  // spacings; rows along a wall and packed particles lie half a spacing from it
+    constexpr double near = 1.5;      // spacings; walls that are both within this distance leave no room for two rows
     for (std::size_t s = 0; s < scene_.soils.size(); ++s) {
       const Shape& shape = scene_.soils[s].shape;
       const std::string key = fmt::format("soil[{}]", s);
@@ -749,7 +749,7 @@ class Checker : Complaints {
 
   void nothing_in(const Wall& wall, std::size_t i, const Shape& region, double dx, const Point3& offset,
                   const std::string& key, const char* what) const {
-    // In shapes with slanted or curved faces particles are moved up to a spacing before a run begins.
+    // In shapes with slanted or curved faces, packing moves particles by up to a spacing before a run begins.
     const double allowed = region.solid ? dx : 1e-6 * dx;
     const bool inside = wall.domain == Wall::Domain::inside;
     for (const auto& x : lattice(region, dx, offset)) {
@@ -762,7 +762,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Refuses walls and water faces that do not have the domain on their left, and water on their right.
+  /// Refuses walls and faces with water or soil on their right only; the domain must be on their left.
   void sides() const {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const auto& wall = scene_.walls[i];
@@ -807,7 +807,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Refuses water drawn behind a face: it would be deleted at once, since the face represents all water there.
+  /// Refuses water drawn behind a face, which stands for all water there: that water would be deleted immediately.
   void nothing_behind(std::size_t i) const {
     const WaterFace& face = scene_.water_faces[i];
     if (is_inlet(scene_, face)) return;  // is_an_opening() checks it
@@ -866,7 +866,7 @@ class Checker : Complaints {
     }
     for (const auto& face : scene_.water_faces)
       for (const auto& point : face.face.points) enclose(point);
-    // A plane has no ends that could enlarge the box; the domain goes on before it up to the plane.
+    // A plane has no ends that could enlarge the box: the domain extends beyond the box up to the plane.
     const auto plane_beyond = [&](const Point3& direction) {
       const auto closes = [&](const Face& f) {
         return f.points.empty() && f.normal.dot(direction) < 0.0 && f.normal.dot(x - f.point) >= 0.0;

@@ -1,4 +1,4 @@
-// Checks of a case that involve several keys: geometry, physics, and whether its parts fit together.
+// Checks of a case that involve several keys: geometry, physics, and consistency of its parts.
 #pragma once
 
 #include "common/case/case.hpp"

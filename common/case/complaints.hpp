@@ -18,7 +18,7 @@ class Complaints {
   Complaints(const Case& scene, const Places& places) : scene_(scene), places_(places) {}
 
  protected:
-  /// "path:line" of the key, or of the closest table around it that is written in the file.
+  /// "path:line" of the key, or of the closest table around it that the file contains.
   [[nodiscard]] std::string place(const std::string& key) const {
     for (std::string path = key;;) {
       if (const auto found = places_.find(path); found != places_.end()) return found->second;

@@ -22,7 +22,7 @@ Node converted(const toml::node& from, const std::string& path) {
     node.kind = Node::Kind::table;
     for (const auto& [key, value] : *table) {
       node.entries.push_back({std::string(key.str()), converted(value, path)});
-      // The line of the key is a better pointer than the first line of a long value.
+      // The line of the key is given, since the value may begin on a later line or extend over several.
       if (key.source().begin.line > 0)
         node.entries.back().second.where = fmt::format("{}:{}", path, key.source().begin.line);
     }
@@ -48,8 +48,8 @@ Node converted(const toml::node& from, const std::string& path) {
   return node;
 }
 
-/// Most parts of a dotted key. The TOML library, and the tree made from its result, recurse once per part: some
-/// thousands overflow the stack, and no key of a case has more than five.
+/// Largest number of parts of a dotted key. The TOML library, and the tree made from its result, recurse once per part:
+/// thousands of parts overflow the stack, and no key of a case has more than five.
 constexpr std::size_t most_parts = 64;
 
 /// Throws CaseError naming the line of a key with more than `most_parts` parts.
@@ -118,7 +118,7 @@ bool all_digits(const std::string& word) {
   return !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/// The likeliest mistake behind the parser's message about a line: the parser reports only where it stopped.
+/// The likeliest mistake in the text up to a line: the parser's own message gives only the line at which it stopped.
 std::string likely_mistake(const std::string& text, std::size_t line) {
   std::istringstream stream(text);
   std::string here;

@@ -1,4 +1,4 @@
-// A TOML file as a plain tree that records where each value was written, so that every message can name file and line.
+// A TOML file as a plain tree that records where each value is written, so that every message can name file and line.
 // Only document.cpp uses the TOML library.
 #pragma once
 
@@ -16,7 +16,7 @@ struct Node {
   Kind kind = Kind::table;
   bool boolean = false;
   std::int64_t integer = 0;
-  double number = 0.0;  ///< set for integers, too
+  double number = 0.0;  ///< also set for integers
   std::string text;
   std::vector<Node> items;  ///< elements of an array
   struct Entry;
@@ -37,10 +37,10 @@ struct Node::Entry {
 /// The whole file as text. Throws FileError when it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
-/// The tree of a text. Throws CaseError naming path and line when the text is not TOML.
+/// The tree of a text. Throws CaseError with path and line when the text is not TOML.
 Node parse_document(const std::string& text, const std::string& path);
 
-/// Applies "section.key=value", "section.0.key=value" or "section[0].key=value"; a value that is a bare word is text.
+/// Applies "section.key=value", "section.0.key=value" or "section[0].key=value". A value that is a bare word is text.
 /// Throws CaseError when the path does not fit the document or the value is not TOML.
 void apply_override(Node& root, const std::string& assignment);
 

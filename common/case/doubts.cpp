@@ -64,7 +64,7 @@ class Doubts : Complaints {
       if (soil.grain_density < lightest)
         doubt(key + ".grain_density",
               fmt::format("{} kg/m3 is lighter than any grains; grain_density is in kg/m3", soil.grain_density));
-      // Rockfill may have a larger k, since its quadratic term limits the flow.
+      // Rockfill may have a larger k, since its quadratic resistance limits the flow.
       const auto seepage = porous::seepage_at(scene_, soil, soil.porosity);
       if (scene_.has_water() && seepage.quadratic == 0.0 && seepage.conductivity > fastest)
         doubt(key + ".hydraulic_conductivity",
@@ -97,10 +97,10 @@ class Doubts : Complaints {
     }
   }
 
-  /// Rows of particles lie along x and y, or along the sides of a rectangle. At a wall at an angle to them they end at
-  /// varying distances from it. Errors of stresses measured in elastic soil under its own weight, 20 rows high, on
-  /// walls at 6, 17, 34 and 45 degrees, relative to the stress at the base: 20 to 40 % on the wall, 3 to 16 % three
-  /// rows from it, 1 to 9 % six rows from it.
+  /// Rows of particles lie along x and y, or along the sides of a rectangle. Where a wall cuts the rows at an angle,
+  /// they end at varying distances from it, and stresses are wrong. Errors measured in elastic soil under its own
+  /// weight, 20 rows high, on walls at 6, 17, 34 and 45 degrees, relative to the stress at the base: 20 to 40 % on the
+  /// wall, 3 to 16 % three rows from it, 1 to 9 % six rows from it.
   void rows_at_an_angle() {
     if (!scene_.deformable() || d_ != 2) return;
     const double dx = scene_.solid.particle_spacing;
@@ -129,9 +129,9 @@ class Doubts : Complaints {
     }
   }
 
-  /// Past the end of a sheet pile the velocity is unbounded, and the particles there are disordered. The seepage under
-  /// the pile, measured with 30 rows against finite volumes, is 1 % low where the pile is 2 or 4 spacings thick, 4 %
-  /// where it is 1 spacing thick, 3 % where it is a line.
+  /// At the end of a sheet pile the exact velocity is unbounded, and the particles there are disordered. The computed
+  /// seepage under the pile (30 rows, compared with finite volumes) is 1 % low for a pile 2 or 4 spacings thick, 4 %
+  /// low for one 1 spacing thick, and 3 % low for a pile that is a line.
   void piles_of_one_row() {
     if (hinders_sight(scene_, Keeps::water)) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -150,11 +150,11 @@ class Doubts : Complaints {
     }
   }
 
-  /// The velocity is unbounded at the end of a face of soil where a wall continues in the same direction or turns away
-  /// from the soil. Where the flow through the face is not taken from the matrix of the pressure solve it comes out
-  /// low. Measured against finite volumes: 22, 9, 4.3 % low with 10, 20, 40 spacings of face on half of a side; below
-  /// an impermeable floor 40 spacings long, on a layer 30 spacings thick, 12 % low, 6 % with half the spacing. Inflow
-  /// and outflow differ by as much.
+  /// The exact velocity is unbounded at the end of a face of soil if a wall continues from there in the same direction
+  /// or turns away from the soil. The computed flow through such a face is low unless it is taken from the matrix of
+  /// the pressure solve. Measured against finite volumes: with 10, 20 and 40 spacings of face on half of a side, 22, 9
+  /// and 4.3 % low; below an impermeable floor 40 spacings long, on a layer 30 spacings thick, 12 % low, and 6 % with
+  /// half the spacing. Inflow and outflow differ by as much.
   void faces_that_end_on_walls() {
     if (d_ != 2 || (!scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection &&
                     porous::conductivity_contrast(scene_) < porous::one_conductivity))
@@ -289,13 +289,13 @@ class Doubts : Complaints {
     return false;
   }
 
-  /// Faces of a field in 3D that end on flat ground or at an edge that turns inwards, beside soil without a face, and
-  /// are narrow there. The flow's velocity has no bound at such an end, and the discharge converges at first order.
+  /// Warns of narrow faces of a field in 3D that end beside soil without a face, on flat ground or at an inward edge.
+  /// The exact velocity is unbounded at such an end, and the discharge converges only at first order.
   void faces_that_end_in_soil() {
     const double dx = scene_.fluid.particle_spacing;
     if (!(dx > 0.0) || scene_.water_faces.empty()) return;
     constexpr double beside = 1e-3, next = 1.5, parallel = 0.9, inwards = 0.1, level = 0.99;
-    constexpr double wide = 20.0;  // spacings of half the width, from which on about 3 % or less are missing
+    constexpr double wide = 20.0;  // spacings, half the width; wider faces lack about 3 % of their discharge or less
     const SoilSurface surface(scene_, dx);
     VecArray<3> bare, bare_normals;
     std::vector<VecArray<3>> wet(scene_.water_faces.size()), normals(wet.size());
@@ -313,8 +313,8 @@ class Doubts : Complaints {
       bare_normals.push_back(place.outwards);
     }
     if (bare.empty()) return;
-    // A strip narrower than half a spacing, as faces often leave beside a plane of symmetry, is none to the cells:
-    // there the surface goes on without the face in two directions only.
+    // A strip without a face that is narrower than half a spacing, as often remains beside a plane of symmetry, has no
+    // cells of its own: around such a place the surface continues without the face in two of the directions only.
     const auto goes_on = [&](const SoilSurface::Place& from, const Face& face) {
       const Point3 u = from.outwards.unitOrthogonal(), v = from.outwards.cross(u);
       constexpr int directions = 8, enough = 3;
@@ -338,7 +338,7 @@ class Doubts : Complaints {
       VecArray<3> ends;
       for (std::size_t k = 0; k < wet[i].size(); ++k) {
         const Point3 &x = wet[i][k], &n = normals[i][k];
-        // The upper end of a drain on a slope lies in soil that is not full.
+        // At the upper end of a drain on a slope the soil is not full of water, so that this end does not count.
         if (face.outlet && std::abs(n.dot(up_)) < level) continue;
         of_bare.for_each_within(x, next * dx, [&](Index j, double squared) {
           const Point3 way = bare[j] - x;
@@ -429,7 +429,7 @@ class Doubts : Complaints {
       if (scene_.deformable()) own_numbers(idle, scene_.model_of(scene_.soils[i]), soil);
     }
   }
-  /// Warns of parameters that belong to another material than the soil's.
+  /// Warns of parameters that belong to another material than that of the soil.
   template <class Idle>
   void own_numbers(const Idle& idle, MaterialName model, const std::string& soil) {
     const auto mine = material(model).keys;

@@ -1,5 +1,5 @@
-// Warnings of what a case may contain but hardly intends: mistaken units, layers of a few particles, keys without
-// effect.
+// Warnings about contents that are allowed in a case but hardly intended: mistaken units, layers of a few particles,
+// keys without effect.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,7 +10,7 @@
 
 namespace poretwin {
 
-/// One line per warning: file, line, key, what looks wrong, what to do.
+/// One line per warning: file, line, key, the likely fault, and what to do.
 std::vector<std::string> doubts(const Case& scene, const Places& places);
 
 }  // namespace poretwin

@@ -25,13 +25,13 @@ constexpr std::array field_kinds{
     std::string_view("balance"),     std::string_view("level"),          std::string_view("passed_volume"),
     std::string_view("particles"),   std::string_view("infiltration"),   std::string_view("evaporation"),
     std::string_view("runoff"),      std::string_view("pressure_force"), std::string_view("heave")};
-/// Kinds of gauges for a field only, not for water as particles.
+/// Kinds of gauges that only a field has, and water particles do not.
 constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
                                 std::string_view("runoff")};
 
-/// Distance up to which a place of the soil's surface counts as lying on a plane (3D). In spacings.
+/// Largest distance from a plane, in spacings, at which a place on the soil's surface counts as on the plane (3D).
 constexpr double beside_plane = 1e-3;
-/// Cosine between the vertical and the outward normal of a surface above which rain falls on it.
+/// Least cosine between the vertical and the outward normal of a surface on which rain can fall.
 constexpr double least_upwards = 1e-9;
 
 template <class Words>
@@ -90,7 +90,7 @@ class FieldChecks : Complaints {
     }
     return false;
   }
-  /// What asks for water with inertia or soil that may slide; empty where nothing does.
+  /// What in the case needs water with inertia, or soil that may slide; empty where nothing does.
   [[nodiscard]] std::string asks_for_inertia() const {
     if (!scene_.deformable()) return {};
     if (scene_.can_yield()) return "the soil can yield, and a slide has inertia";
@@ -115,7 +115,7 @@ class FieldChecks : Complaints {
     walls();
   }
 
-  /// Refuses walls that a field would not see: it is bounded by its soil, not by walls.
+  /// Refuses walls that would have no effect: a field is bounded by its soil, not by walls.
   void walls() const {
     const double dx = scene_.fluid.particle_spacing;
     for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
@@ -162,7 +162,7 @@ class FieldChecks : Complaints {
            std::any_of(faces.begin(), faces.end(), [](const WaterFace& f) { return f.head.has_value() || f.outlet; });
   }
 
-  /// Refuses dry soil where there is no gravity: the position of the water within a cell would be undefined.
+  /// Refuses dry soil in a case without gravity, in which the water within a partly full cell would have no position.
   void full_soil() const {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
       for (const auto& x : places_in(scene_.soils[i].shape))
@@ -173,7 +173,7 @@ class FieldChecks : Complaints {
                            shown(x)));
   }
 
-  /// Checks for soil that moves: the points of the field are then the soil's particles.
+  /// Checks of a field in moving soil, where the points of the field are the soil's particles.
   void moving_soil() const {
     if (scene_.fluid.particle_spacing != scene_.solid.particle_spacing)
       fail("fluid.particle_spacing",
@@ -184,7 +184,7 @@ class FieldChecks : Complaints {
     if (scene_.coupling.scheme == CouplingCase::Scheme::parallel)
       fail("coupling.scheme",
            "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
-    // The soil's solver looks for the water behind its surface along faces by points.
+    // The solid solver finds the water behind the soil's surface only along faces that have ends.
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i)
       if (const WaterFace& f = scene_.water_faces[i];
           f.face.points.empty() && (f.head || (f.pressure && highest(*f.pressure) > 0.0))) {
@@ -261,7 +261,7 @@ class FieldChecks : Complaints {
     if (normal.isZero())
       fail(key + ".bedding_normal", "without gravity expected the direction across the beds, found none");
     if (porous::same_anisotropy(scene_)) return;
-    // Each soil then has its own directions in which the flow between two points is exact.
+    // With several anisotropies the flow between two points is exact in other directions in each soil.
     const std::string otherwise =
         "where soils differ in their anisotropy the points must lie on a lattice along the beds; expected all soils "
         "with the same 'anisotropy' and 'bedding_normal', or ";
@@ -313,8 +313,8 @@ class FieldChecks : Complaints {
     }
   }
 
-  /// Requires a table whose values are above zero, rise from row to row and reach 1 at a pressure head of zero or
-  /// below.
+  /// Requires a table whose values are above zero, rise from row to row, and reach 1 at a pressure head of at most
+  /// zero.
   void rising(const Series& table, const std::string& key) const {
     const auto& rows = table.knots;
     if (rows.size() < 2) fail(key, fmt::format("expected two rows or more, found {}", rows.size()));
@@ -486,8 +486,8 @@ class FieldChecks : Complaints {
         fail(key,
              fmt::format("falls where rain[{}] does, at {} m; expected one rain at each place", j, shown(place.at)));
   }
-  /// Refuses a head above the upper end of a face: the water would run over there. It cannot under a wall, as on the
-  /// roof of a confined layer, nor where the face is level, the bed of a pond.
+  /// Refuses a head above the upper end of a face, over which the water would flow. Allowed where a wall closes the
+  /// top, as on the roof of a confined layer, and on level faces, such as the bed of a pond.
   void below_its_top(const SoilSurface& surface, const WaterFace& f, const std::string& key,
                      const std::vector<SoilSurface::Place>& places) const {
     const double dx = scene_.fluid.particle_spacing;

@@ -1,4 +1,4 @@
-// The kinds of gauges: the one list from which the page of the case file, the check and the solvers take them.
+// The kinds of gauges. The page of the case file, the check and the solvers all use this list.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace poretwin {
 struct GaugeKind {
   std::string_view name;
   std::string_view phase;    ///< "fluid", "solid" or "either"
-  std::string_view meaning;  ///< what it reads, and which of the gauge's keys it needs
+  std::string_view meaning;  ///< what the gauge measures, and which of its keys it needs
 };
 
 // clang-format off: one row per kind
@@ -83,14 +83,14 @@ inline constexpr GaugeKind gauge_kinds[] = {
 };
 // clang-format on
 
-/// The kind of that name, or nullptr.
+/// The kind of that name; nullptr if there is none.
 inline const GaugeKind* find_gauge_kind(std::string_view name) {
   for (const auto& kind : gauge_kinds)
     if (kind.name == name) return &kind;
   return nullptr;
 }
 
-/// Whether one of the gauges is of this kind and reads this phase, "fluid" or "solid".
+/// Whether one of the gauges is of this kind and belongs to this phase, "fluid" or "solid".
 template <class Gauges>
 bool asks_for(const Gauges& gauges, std::string_view phase, std::string_view kind) {
   for (const auto& gauge : gauges)

@@ -1,4 +1,4 @@
-// The quantities that a point gauge can read of each phase; the check of a case uses this list.
+// The quantities that a point gauge can measure in each phase. The check of a case uses this list.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Identifies the run to which a checkpoint belongs: the case with all settings, and the program.
+// Identifies the run to which a checkpoint belongs: by the case with all its settings, and by the program.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,7 +10,7 @@
 
 namespace poretwin {
 
-/// What is computed; the same for all programs of a run.
+/// The identity of the case, which is the same for all programs of a run.
 inline RunIdentity case_identity(const Case& scene) {
   std::string overrides;
   for (const auto& assignment : scene.overrides) overrides += (overrides.empty() ? "" : " ") + assignment;

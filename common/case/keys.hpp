@@ -1,4 +1,4 @@
-// Keys of a file, declared once: the same declaration reads and checks them, describes them and lists their values.
+// Keys of a file, each declared once: the same declaration reads and checks the keys, describes them and lists them.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -19,7 +19,7 @@ namespace poretwin {
 
 /// The description of a key.
 struct About {
-  std::string unit;     ///< SI; empty where it has none
+  std::string unit;     ///< SI; empty where it has no unit
   std::string meaning;  ///< one line
   bool required = false;
 };
@@ -60,7 +60,7 @@ class Keys {
   virtual void axes(std::string_view key, std::vector<int>& value, const About& about) = 0;
   virtual void series(std::string_view key, std::optional<Series>& value, const About& about) = 0;
 
-  /// One of several words. Where `value` belongs to none of them, the first word is the default.
+  /// One of several words. If `value` belongs to none of them, the first word is the default.
   template <class E>
   void choice(std::string_view key, E& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {
@@ -70,7 +70,7 @@ class Keys {
     choice(key, chosen, words, about);
     value = *chosen;
   }
-  /// One of several words, or none.
+  /// One of several words, or no word.
   template <class E>
   void choice(std::string_view key, std::optional<E>& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {
@@ -103,7 +103,7 @@ class Keys {
     });
   }
 
-  /// Tables whose keys are described elsewhere.
+  /// Tables whose keys are described in another place.
   template <class T, class Body>
   void tables(std::string_view key, const About& about, std::vector<T>& items, Body body) {
     each_as_elsewhere(key, about, items.size(), [&](Keys& keys, std::size_t i) {
@@ -112,10 +112,10 @@ class Keys {
     });
   }
 
-  int dimension = 2;  ///< coordinates of the points that are declared after it is set
+  int dimension = 2;  ///< number of coordinates of the points that are declared afterwards
 
  protected:
-  /// index: position of the chosen word in `names`; absent where none is chosen.
+  /// index: position of the chosen word in `names`; absent if no word is chosen.
   virtual void word(std::string_view key, std::optional<std::size_t>& index, const std::vector<std::string_view>& names,
                     const About& about) = 0;
   virtual void group(std::string_view key, std::string_view meaning, bool optional, bool present,
@@ -128,20 +128,20 @@ class Keys {
   }
 };
 
-/// "path:line" of each key, for checks after reading.
+/// "path:line" of each key, for checks after the file is read.
 using Places = std::map<std::string, std::string, std::less<>>;
 
-/// Fills the variables that `declare` binds from the document. Throws CaseError for unknown or missing keys, wrong
-/// types and values outside their range.
+/// Fills the variables that `declare` binds with the values of the document. Throws CaseError for unknown or missing
+/// keys, wrong types and values outside their range.
 void read_keys(const Node& root, const std::function<void(Keys&)>& declare, Places* places = nullptr);
 
 /// Markdown tables of all keys that `declare` binds; the values of the bound variables are the defaults.
 std::string describe_keys(const std::function<void(Keys&)>& declare);
 
-/// Lines "path = value" of the bound variables, in the order of declaration.
+/// Lines "path = value" for the bound variables, in the order of declaration.
 std::string list_keys(const std::function<void(Keys&)>& declare);
 
-/// The candidate closest to `word` by edit distance; empty when there is none.
+/// The candidate closest to `word` by edit distance; empty if there are no candidates.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace poretwin

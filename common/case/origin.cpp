@@ -9,7 +9,7 @@
 namespace poretwin {
 namespace {
 
-/// Calls f with every position in the case, those that define planes only with `of_planes`: they may lie anywhere.
+/// Calls f with every position in the case; if not `of_planes`, without those of planes, which may lie anywhere.
 template <class F>
 void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   const auto shape = [&](Shape& s) {
@@ -80,11 +80,11 @@ void move_to_origin(Case& scene) {
                                  [](const WaterFace& face) { return face.wave_amplitude.has_value(); });
   const double spacing = finest_spacing(scene);
   if (!(spacing > 0.0)) return;  // check_case() complains
-  // Scenes nearer to the origin than this are not moved: there the rounding of coordinates does not matter (a yielding
-  // slope is right to 1e-6 at 1e3 spacings, to 3e-5 at 1e5). Nor is a scene that is wider than its distance from the
-  // origin: moving it would gain no digits.
+  // A scene nearer to the origin than this is not moved, since the rounding of its coordinates does not matter (the
+  // error of a yielding slope is 1e-6 at 1e3 spacings and 3e-5 at 1e5). A scene wider than its distance from the origin
+  // is not moved either: moving it would gain no digits.
   constexpr double far = 1e3;  // spacings
-  // Scenes are moved by a whole number times a power of two, so that coordinates lose no digits.
+  // The displacement is an integer times a power of two, so that coordinates lose no digits.
   const double step = std::exp2(std::floor(std::log2(spacing)));
   Point3 way = Point3::Zero();
   for (int d = 0; d < g.dimension; ++d)
@@ -94,7 +94,7 @@ void move_to_origin(Case& scene) {
   if (way.isZero()) return;
   scene.general.origin = way;
   for_each_place(scene, [&](Point3& x) { x -= way; });
-  // The periodic box is given for all axes, or for some only.
+  // The periodic box may be given for some of the axes only.
   for (int d = 0; d < g.dimension; ++d)
     if (g.domain_max[d] > g.domain_min[d])
       for (auto* corner : {&scene.general.domain_min, &scene.general.domain_max}) (*corner)[d] -= way[d];

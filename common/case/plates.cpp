@@ -31,7 +31,7 @@ class Plates : Complaints {
   }
 
  private:
-  /// Refuses plates where nothing computes them.
+  /// Refuses plates in cases that cannot compute them.
   void belongs_here(const std::string& key) const {
     if (scene_.general.dimension != 2) fail(key, "plates are for dimension = 2; expected none in 3D");
     if (!scene_.deformable()) fail(key, "with solid.model = \"rigid\" nothing gives way to a plate");
@@ -88,11 +88,11 @@ class Plates : Complaints {
     return std::ranges::any_of(scene_.soils, [&](const Soil& soil) { return contains(soil.shape, x, 2); });
   }
 
-  /// Refuses plates that lie off the soil, in it, or with a narrow gap before it. Images in a gap would tie the soil to
-  /// a plate that it does not touch.
+  /// Refuses plates that lie away from the soil or inside it, or with a narrow gap before them: images of soil across a
+  /// gap would act on the soil as if it touched the plate.
   void touches_soil(const Face& f, const std::string& key) const {
     const double dx = scene_.solid.particle_spacing;
-    constexpr double beside = 0.05, reach = 1.5;  // spacings; the kernel reaches an image from 1.2 spacings off
+    constexpr double beside = 0.05, reach = 1.5;  // spacings; the kernel reaches the image of a particle at 1.2
     double touched = 0.0;
     const auto look = [&](const Point3& x, const Point3& normal, double length) {
       if (soil_at(x - beside * dx * normal))
@@ -108,7 +108,7 @@ class Plates : Complaints {
     };
     if (f.points.empty()) {
       const Point3 n = f.normal.normalized(), along(-n.y(), n.x(), 0.0);
-      Point3 low = Point3::Constant(HUGE_VAL), high = -low;  // of all soil along the plate
+      Point3 low = Point3::Constant(HUGE_VAL), high = -low;  // extent of all soil along the plate
       for (const Soil& soil : scene_.soils)
         for (const auto& x : fill<2>(soil.shape, dx, {0.5, 0.5, 0.5}, 0.0, 1).position) {
           low.x() = std::min(low.x(), along.head<2>().dot(x));

@@ -77,8 +77,8 @@ class Supported : Complaints {
   }
 
   /// Refuses scenes too far from the origin. Particles are sorted into cells whose numbers have 21 bits per axis, and
-  /// distances lose digits: results were wrong from 2^19 m on at a spacing of 0.1 m. read_case() has already moved the
-  /// scene along axes without gravity.
+  /// distances lose digits: with a spacing of 0.1 m, results are wrong farther than 2^19 m from the origin. read_case()
+  /// has already moved the scene towards the origin along axes without gravity.
   void near_origin() const {
     const double spacing = finest_spacing(scene_);
     constexpr double most = 1e6;
@@ -96,9 +96,9 @@ class Supported : Complaints {
       look(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i));
   }
 
-  /// Refuses thin walls where water or soil would interact through them: a line of sight (`Sight`) separates particles
-  /// on both sides of a thin wall, unless hinders_sight() names a reason against it. Beside a wall that is one line, no
-  /// particle may lie too close to it.
+  /// Refuses thin walls through which water or soil would interact. A line of sight (`Sight`) separates the particles
+  /// on the two sides of a thin wall, unless hinders_sight() names a reason why it cannot. No particle may lie too
+  /// close to a wall that is a single line.
   void partitions(Keeps what) const {
     const bool water = what == Keeps::water;
     const double dx = water ? scene_.fluid.particle_spacing : scene_.solid.particle_spacing;
@@ -122,7 +122,7 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses particles closer to a line than a quarter of a spacing: their own images would push them off it.
+  /// Refuses particles closer to a line than a quarter of a spacing, which their own images would push away from it.
   void rows_beside(std::size_t w, Keeps what) const {
     const bool water = what == Keeps::water;
     const double dx = water ? scene_.fluid.particle_spacing : scene_.solid.particle_spacing;
@@ -146,11 +146,11 @@ class Supported : Complaints {
   [[nodiscard]] double conductivity(const Soil& soil) const {
     return porous::seepage_at(scene_, soil, soil.porosity).conductivity;
   }
-  /// Number of rows that a layer of conductivity k needs beside another: kernels smear its resistance over the
-  /// neighbours' rows. Errors of the flow through a slow layer at any angle to the lattice: within 2 % with two rows at
-  /// a contrast of 10 (5 % with 1.6 rows), and with three rows from a contrast of 100 on (there with two rows up to 14
-  /// %, with one row a factor of five, with half a row the wrong sign). Through a fast layer: within 2 % with 1.6 rows
-  /// at any contrast.
+  /// Number of rows that a layer of conductivity k needs beside another, since kernels smear its resistance over the
+  /// neighbouring rows. Largest errors of the flow, at any angle to the lattice:
+  /// through a slow layer at a contrast of 10, 2 % with two rows and 5 % with 1.6;
+  /// through a slow layer at contrasts from 100 on, 2 % with three rows, 14 % with two, a factor of five with one, the
+  /// wrong sign with half a row; through a fast layer at any contrast, 2 % with 1.6 rows.
   [[nodiscard]] static double rows_needed(double k, double other) {
     const double contrast = std::max(k / other, other / k);
     if (contrast <= 2.0) return 0.0;
@@ -177,7 +177,7 @@ class Supported : Complaints {
     }
   }
 
-  /// Boxes in 3D and discs or balls: their smallest extent is compared.
+  /// For boxes in 3D, and discs or balls: their smallest extent is compared with the rows needed.
   void thin_as_a_whole(std::size_t i) const {
     const double dx = scene_.fluid.particle_spacing;
     const auto [lower, upper] = bounds(scene_.soils[i].shape);
@@ -191,9 +191,9 @@ class Supported : Complaints {
     }
   }
 
-  /// Boxes and polygons in 2D: the thickness is measured inwards from every edge where another soil touches, through
-  /// all soil of the same conductivity. The tip of a wedge is always thin for a few rows; the layer is refused where it
-  /// is thin along more than twice the needed rows, or along half of the touching edges.
+  /// For boxes and polygons in 2D: the thickness is measured inwards from every edge that touches another soil, through
+  /// all soil of the same conductivity. The tip of a wedge is always thin for a few rows: the layer is refused only if
+  /// it is thin along more than twice the needed rows, or along half of the edges that touch.
   void thin_places(std::size_t i) const {
     const double dx = scene_.fluid.particle_spacing, k = conductivity(scene_.soils[i]);
     const auto same = [&](const Soil* soil) { return soil && rows_needed(k, conductivity(*soil)) == 0.0; };
@@ -232,8 +232,8 @@ class Supported : Complaints {
       if (thin.length > std::min(2.0 * thin.rows * dx, 0.5 * around)) too_thin(i, thin.least, beside, thin.rows);
   }
 
-  /// Refuses soil of very low porosity beside free water as a substitute for a wall: free water that runs against it
-  /// gains energy (sevenfold at a porosity of 0.02, a tenth at 0.1).
+  /// Refuses soil of very low porosity beside free water, meant as a wall: free water that runs against it gains energy
+  /// (a factor of seven at a porosity of 0.02, a tenth at 0.1).
   void solid_bodies() const {
     constexpr double least = 0.1;
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
@@ -250,9 +250,9 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses openings below the water's surface, since they make no jet: nothing passes an `outlet`; through a face
-  /// with a `pressure` passes a hundredth of the right flow; through one with a `head`, more than an opening can pass;
-  /// a negative `discharge` loses particles.
+  /// Refuses openings below the water's surface, since the flow through them is wrong. Nothing passes an `outlet`. A
+  /// face with a `pressure` passes a hundredth of the right flow, and one with a `head` more than an opening can pass.
+  /// A face with a negative `discharge` loses particles.
   void openings_under_water() const {
     if (up_.isZero() || d_ != 2) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -284,9 +284,9 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses a face of zero pressure in front of dry soil. Air is behind such a face, so that no water should come in,
-  /// but a face with `pressure` or `head` lets water into dry soil: 47 % error in the discharge of a filter under a
-  /// dam's toe. The case must give `outlet` instead.
+  /// Refuses a face of zero pressure in front of dry soil. Air is behind such a face, so that no water should enter;
+  /// but a face with `pressure` or `head` lets water into dry soil (error of the discharge of a filter under a dam's
+  /// toe: 47 %). The case must give `outlet` instead.
   void drains_without_pressure() const {
     if (up_.isZero() || scene_.deformable() || d_ != 2) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -301,7 +301,7 @@ class Supported : Complaints {
         const bool no_pressure = f.pressure ? highest <= 0.0 : std::abs(highest - level) < 0.1 * dx;
         const Point3 before = 0.5 * (piece.a + piece.b) + 0.25 * dx * piece.left();
         const Soil* soil = soil_at(before);
-        // No error where water can fall in from above or suction draws it in.
+        // Not refused where water can fall in from above, or where suction draws water in.
         if (!no_pressure || up_.dot(piece.left()) < -0.01 || !soil || soil->suction_head > 0.0 || wet(before)) continue;
         fail(fmt::format("water_face[{}].{}", i, f.pressure ? "pressure" : "head"),
              fmt::format("the pressure is zero along the face from {} to {} m, before which the soil is dry: air is "
@@ -311,7 +311,7 @@ class Supported : Complaints {
     }
   }
 
-  /// A face by point and normal has no upper end: its head must stay below the top of the soil in front of it.
+  /// A face given by point and normal has no upper end: its head must not exceed the top of the soil in front of it.
   void heads_below_the_soils_top() const {
     if (up_.isZero()) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -342,8 +342,8 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses a part of a plane that is not a rectangle along the axes, or where soil does not lie all along it: the
-  /// force is the traction times the area.
+  /// Refuses a part of a plane that is not a rectangle along the axes, or along which soil is missing somewhere: the
+  /// force of the load is its traction times the area of that part.
   void part_of_plane(const Face& f, const std::string& key) const {
     const double dx = scene_.solid.particle_spacing;
     if (d_ != 3) fail(key, "belongs to dimension = 3; expected 'points', a line");
@@ -371,8 +371,8 @@ class Supported : Complaints {
       }
   }
 
-  /// Refuses loads far from the soil's surface, the particles with no soil beyond them against the load's normal. The
-  /// force is right to 0.3 % within 2 spacings of the surface, and 1.5 to 2.7 times too large 4 spacings from it.
+  /// Refuses loads far from the soil's surface, that is, from the last particles against the load's normal. The force
+  /// has an error of 0.3 % within 2 spacings of the surface, and is 1.5 to 2.7 times too large 4 spacings from it.
   void loads() const {
     const double dx = scene_.solid.particle_spacing;
     constexpr double lengths_per_spacing = 1.2;  // smoothing length over spacing
@@ -391,7 +391,7 @@ class Supported : Complaints {
         planes.push_back({piece.a, piece.left(), along, along.dot(piece.a), along.dot(piece.b)});
       }
       if (f.within) part_of_plane(f, fmt::format("load[{}].within", i));
-      bool any = std::ranges::any_of(scene_.soils, [&](const Soil& soil) {  // looked at too coarsely to tell
+      bool any = std::ranges::any_of(scene_.soils, [&](const Soil& soil) {  // sampled too coarsely to decide
         return spacing_to_look_at(soil.shape, dx, d_) > reach;
       });
       for (const auto& soil : scene_.soils)
@@ -429,7 +429,7 @@ class Supported : Complaints {
     });
   }
 
-  /// Height of the highest cut or slope of the soil's surface [m]; sides that no wall supports count.
+  /// Height of the highest cut or slope of the soil's surface [m], including the sides that no wall supports.
   [[nodiscard]] double relief() const {
     const double dx = scene_.solid.particle_spacing;
     struct Column {
@@ -464,10 +464,10 @@ class Supported : Complaints {
     return highest > lowest ? highest - lowest : 0.0;
   }
 
-  /// Refuses soil without friction and without a tensile strength that is higher than its cohesion can support. Without
-  /// friction the cone has no apex, so that soil would bear any tension, and where it slides it flies apart (a vertical
-  /// cut: 200 m/s after 0.4 s). No limit is needed where cohesion supports the soil (a vertical cut up to 3.83 c /
-  /// gamma high, with cohesion c and unit weight gamma), nor where cohesion is negligible beside the weight.
+  /// Refuses soil that has no friction and no tensile strength and is higher than its cohesion can support. Without
+  /// friction the cone has no apex, so that soil would carry any tension and fly apart where it slides (a vertical cut:
+  /// 200 m/s after 0.4 s). Not refused where cohesion c supports the soil of unit weight gamma (a vertical cut of up to
+  /// 3.83 c / gamma), nor where cohesion is negligible beside the weight.
   void tension() const {
     if (up_.isZero()) return;
     std::optional<double> height;
@@ -487,8 +487,8 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses a wall for water under a load: the wall stands still, and water would cling to it as the load moves the
-  /// soil.
+  /// Refuses a wall for water under a load: the load moves the soil, but the wall and the water at it would stay where
+  /// they are.
   void loaded_plates() const {
     const double dx = scene_.fluid.particle_spacing;
     const auto overlap = [&](const Face& f, const Face& g) {

@@ -1,4 +1,4 @@
-// Refuses cases that would run and give wrong numbers; each criterion stands beside the measured errors.
+// Refuses cases that would run but give wrong results. Each criterion has the measured errors beside it.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -8,7 +8,7 @@ namespace poretwin {
 
 /// Throws CaseError at the first fault, with file, line, key, what was expected and what was found.
 void check_supported(const Case& scene, const Places& places);
-/// The part of it that also applies to water as a field: loads that the soil would not bear as the case says.
+/// The part of check_supported for water as a field: loads that the soil would not bear as the case describes.
 void check_loads(const Case& scene, const Places& places);
 
 }  // namespace poretwin

@@ -133,7 +133,7 @@ void CheckpointStore::write(const Checkpoint& checkpoint, const Archive& state) 
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", folder_.string(), error.message()));
-  // The format that content_of() reads; the state is not copied.
+  // Writes the format that content_of() reads; the state itself is not copied.
   Checkpoint about = checkpoint;
   RunIdentity identity = identity_;
   std::uint64_t size = state.bytes().size();
@@ -149,7 +149,7 @@ void CheckpointStore::write(const Checkpoint& checkpoint, const Archive& state) 
     throw;
   }
   fs::rename(fresh, target);
-  // The file's entry in the folder must survive a loss of power, too.
+  // Makes the file's entry in the folder survive a loss of power, too.
   const Descriptor folder(folder_, O_RDONLY | O_DIRECTORY);
   if (::fsync(folder.get()) != 0) fail(folder_, "cannot be written", errno);
 }

@@ -1,6 +1,6 @@
-// A state as bytes and back: archive(a, b, c) writes its arguments or reads them, depending on how the archive was
-// made, so that both directions are one piece of code. Aggregates are visited member by member without code of their
-// own; classes with private members have a member `void archive(Archive&)`. Numbers are kept bit by bit.
+// Converts a state to bytes and back. archive(a, b, c) writes its arguments or reads them, depending on how the archive
+// was made, so that one piece of code serves both directions. Aggregates are visited member by member and need no code
+// of their own; classes with private members have a member `void archive(Archive&)`. Numbers are stored bit by bit.
 #pragma once
 
 #include "common/core/error.hpp"

@@ -1,5 +1,5 @@
-// The errors that a user can meet, each with its exit code. what() says what was expected, what was found and what to
-// do.
+// The errors that a user can get, each with its exit code. what() contains what was expected, what was found and what
+// to do.
 #pragma once
 
 #include <stdexcept>
@@ -10,12 +10,12 @@ namespace poretwin {
 /// Exit codes of every executable; documented in docs/protocol.md and `poretwin --help`.
 enum class ExitCode : int {
   success = 0,
-  failure = 1,        ///< anything unforeseen
+  failure = 1,        ///< an unforeseen failure
   bad_case = 2,       ///< the case file, the command line or the geometry
-  peer = 3,           ///< a peer is missing, dead, frozen, of the wrong kind, or sent nonsense
+  peer = 3,           ///< a peer is missing, dead, frozen, of the wrong kind, or sent invalid messages
   diverged = 4,       ///< a field is no longer finite
   input_output = 5,   ///< files: missing, unreadable, unwritable, disk full
-  in_doubt = 6,       ///< the run ended, but its result is in doubt: mass was lost, a bound was missed, ...
+  in_doubt = 6,       ///< the run ended, but its result is in doubt: mass was lost, a bound was violated, ...
   interrupted = 130,  ///< Ctrl-C or SIGTERM
 };
 
@@ -28,25 +28,25 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Wrong input: names file, line, key, what was expected, what was found.
+/// Wrong input. The message names file, line, key, what was expected, and what was found.
 class CaseError : public Error {
  public:
   explicit CaseError(const std::string& message) : Error(ExitCode::bad_case, message) {}
 };
 
-/// A peer failed: names peer, step, last message.
+/// A peer failed. The message names peer, step, and last message.
 class PeerError : public Error {
  public:
   explicit PeerError(const std::string& message) : Error(ExitCode::peer, message) {}
 };
 
-/// A simulation diverged: names particle, term, last good state.
+/// A simulation diverged. The message names particle, term, and last good state.
 class DivergedError : public Error {
  public:
   explicit DivergedError(const std::string& message) : Error(ExitCode::diverged, message) {}
 };
 
-/// A file could not be read or written: names path and cause.
+/// A file could not be read or written. The message names path and cause.
 class FileError : public Error {
  public:
   explicit FileError(const std::string& message) : Error(ExitCode::input_output, message) {}

@@ -24,7 +24,7 @@ inline constexpr std::array<ExitMeaning, 8> exit_meanings{{
     {ExitCode::interrupted, "interrupted by Ctrl-C or SIGTERM"},
 }};
 
-/// "Exit codes:" and one line for each.
+/// The text "Exit codes:" with one line for each code.
 std::string exit_codes_text();
 
 }  // namespace poretwin

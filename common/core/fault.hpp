@@ -6,7 +6,7 @@ namespace poretwin {
 
 enum class Fallible { open, write, send, map, allocate };
 
-/// Whether this call of its kind is to fail; errno is then set. Costs one comparison where no failure is requested.
+/// Whether this call must fail; errno is then set. Costs one comparison where no failure is requested.
 bool fails(Fallible what);
 
 }  // namespace poretwin

@@ -1,5 +1,5 @@
-// Visits the members of any aggregate in their order. The compiler counts them, so that none has to be listed or can be
-// forgotten.
+// Visits the members of any aggregate in their order. The compiler counts the members, so that code need not list them
+// and cannot forget one.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 namespace poretwin {
 namespace detail {
 
-/// Converts to any type that a member is initialised from.
+/// Converts to any type from which a member is initialised.
 struct Anything {
   template <class T>
   operator T() const;  // NOLINT: never defined, used in unevaluated code only
@@ -24,8 +24,8 @@ constexpr bool takes(std::index_sequence<I...>) {
 /// Largest number of members that the structured bindings below cover.
 inline constexpr std::size_t most_fields = 40;
 
-/// Number of members of an aggregate, from `least` to `most`: the largest number of initialisers that its braces
-/// accept.
+/// Number of members of an aggregate, searched for between `least` and `most`. It is the largest number of initialisers
+/// that the aggregate's braces accept.
 template <class T, std::size_t least = 0, std::size_t most = most_fields + 1>
 constexpr std::size_t count_fields() {
   constexpr std::size_t middle = (least + most + 1) / 2;
@@ -37,7 +37,7 @@ constexpr std::size_t count_fields() {
     return count_fields<T, least, middle - 1>();
 }
 
-/// Calls f(member...) with all members of an aggregate at once.
+/// Calls f(member...) with all members of an aggregate as arguments.
 template <class T, class F>
 void with_fields(T& x, F&& f) {
   constexpr std::size_t n = count_fields<T>();

@@ -20,20 +20,20 @@
 namespace poretwin {
 namespace {
 
-/// How long to wait for programs whose parent process was killed: they write a checkpoint before they end.
+/// Time to wait for programs whose parent process was killed: they write a checkpoint before they end.
 constexpr std::chrono::seconds patience{20};
 
 struct Holder {
   std::string words;
   pid_t process = 0;
   std::string machine;
-  /// Whether the process that signed ran on this machine and has ended.
+  /// Whether the process that signed ran on this machine and has ended since.
   [[nodiscard]] bool gone() const {
     return process > 0 && machine == host() && ::kill(process, 0) != 0 && errno == ESRCH;
   }
 };
 
-/// Reads the holder from the file: its first line is a text for people, the second holds process and machine.
+/// Reads the holder from the file: the first line is a text for people, the second contains process and machine.
 Holder holder_of(int descriptor) {
   std::array<char, 1024> bytes{};
   const auto count = ::pread(descriptor, bytes.data(), bytes.size() - 1, 0);

@@ -6,8 +6,8 @@
 
 namespace poretwin {
 
-/// Calls work(i) for every entry of 0 .. n - 1, of which `worth` are worth more than one thread, in parallel, compiled
-/// for this machine; mark it always_inline.
+/// Calls work(i) for every i of 0 .. n - 1, compiled for this machine. From `worth` entries on, several threads run in
+/// parallel. Mark `work` always_inline.
 template <class Work>
 void for_each_in_lanes(std::size_t n, std::size_t worth, const Work& work) {
   parallel_ranges(n, worth, [&](std::size_t first, std::size_t last) {

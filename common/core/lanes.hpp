@@ -1,5 +1,5 @@
 // Arithmetic on four doubles at a time, without intrinsics: gcc and clang compile the loops over lanes to the widest
-// instructions of each machine. The choice is made at run time, so that one binary serves every processor.
+// instructions of each machine. They are chosen at run time, so that one binary suits every processor.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct alignas(Lanes) Quad {
   Lanes v;
 };
 
-// In place: how a vector is returned by value would depend on the instruction set for which the caller is compiled.
+// In place: the way in which a vector is returned by value would depend on the instruction set of the caller's code.
 [[gnu::always_inline]] inline void sqrt_in_place(Lanes& a) {
   for (std::size_t l = 0; l < n_lanes; ++l) a[l] = std::sqrt(a[l]);
 }
@@ -27,8 +27,8 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void min_in_place(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
-/// Types for code that is compiled for one particle at a time (InOnes) or for four (InFours). Given as a template
-/// argument itself, Lanes would lose its alignment.
+/// Types for code that is compiled for one particle at a time (InOnes) or for four (InFours). If Lanes itself were the
+/// template argument, it would lose its alignment.
 struct InOnes {
   using Number = double;
   using Mask = bool;
@@ -55,7 +55,7 @@ void apply(const Function& function, double& a) {
   a = function(a);
 }
 
-/// Four doubles at any address. `aligned` stands beside the alias's name: clang ignores it beside vector_size.
+/// Four doubles at any address. `aligned` is beside the alias's name because clang ignores it beside vector_size.
 using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
     double __attribute__((vector_size(n_lanes * sizeof(double))));
 
@@ -83,18 +83,18 @@ inline void put(double from, float* to) { *to = static_cast<float>(from); }
   d = __builtin_shufflevector(high_ab, high_cd, 2, 3, 6, 7);
 }
 
-/// Four rows of numbers from which the same columns are read.
+/// Four rows of numbers. The same columns are read from each.
 template <class Number>
 using FourRows = std::array<Number*, n_lanes>;
 
-/// The one row that code for one particle reads in their place.
+/// The single row that code for one particle reads in place of four rows.
 template <class Number>
 struct OneRow {
   Number* row;
 };
 
-/// Reads columns first .. first + n - 1 of four rows, one row per lane. Reads no column beyond these except among the
-/// first four.
+/// Reads columns first .. first + n - 1 of four rows, one row per lane. Besides these it reads no columns except,
+/// possibly, some of the first four.
 template <std::size_t first, std::size_t n>
 [[gnu::always_inline]] inline void gather(const FourRows<const double>& rows, Lanes* column) {
   constexpr std::size_t taken = n < n_lanes ? n : n_lanes, skipped = first + taken < n_lanes ? 0 : n_lanes - taken;
@@ -129,7 +129,7 @@ struct VectorSum {
     return (sums[d][0] + sums[d][1]) + (sums[d][2] + sums[d][3]);
   }
 };
-/// In 2D two vectors fill the lanes in their order in memory.
+/// In 2D two vectors fill the lanes in the order in which they are in memory.
 template <>
 struct VectorSum<2> {
   Lanes first{}, second{};
@@ -164,7 +164,7 @@ void scatter_add(const double* column, const OneRow<double>& to) {
   for (std::size_t k = 0; k < n; ++k) to.row[k] += column[k];
 }
 
-/// Adds to each of n numbers (a multiple of four) the sum over a column's lanes.
+/// Adds the sum over a column's lanes to each of n numbers; n is a multiple of four.
 template <std::size_t n>
 [[gnu::always_inline]] inline void add_lanes(const Lanes* column, double* row) {
   for (std::size_t k = 0; k < n; k += n_lanes) {
@@ -179,19 +179,19 @@ void add_lanes(const double* column, double* row) {
   for (std::size_t k = 0; k < n; ++k) row[k] += column[k];
 }
 
-/// Sum over a number's lanes, in the same order as above.
+/// Sum over a number's lanes, in the same order as in add_lanes.
 [[gnu::always_inline]] inline double sum_of_lanes(const Lanes& a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 inline double sum_of_lanes(double a) { return a; }
 [[gnu::always_inline]] inline double least_of_lanes(const Lanes& a) {
   return std::min(std::min(a[0], a[1]), std::min(a[2], a[3]));
 }
 inline double least_of_lanes(double a) { return a; }
-/// The first lane becomes larger by an amount.
+/// Increases the first lane by `amount`.
 [[gnu::always_inline]] inline void add_to_first(double amount, Lanes& a) { a[0] += amount; }
 inline void add_to_first(double amount, double& a) { a += amount; }
 
 /// Instruction sets of this machine, as levels of the x86-64 psABI. Tests set a lower level to check the other
-/// variants. scalar: loops over pairs (common/particles/for_pairs.hpp) take one pair at a time, all others are plain.
+/// variants. scalar: loops over pairs (common/particles/for_pairs.hpp) take one pair at a time; else as plain.
 enum class Instructions { scalar, plain, avx2, avx512 };
 inline Instructions& instructions() {
 #if defined(__x86_64__)

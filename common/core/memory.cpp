@@ -13,17 +13,17 @@
 namespace poretwin {
 namespace {
 
-/// A memory region for large arrays only. In one heap, small strings that outlive a window, or blocks that malloc
-/// caches, would divide the space that a window's arrays free, so that the arrays of the next window would not fit
-/// there.
+/// A memory region for large arrays only. In a common heap, small strings that outlive a window, and blocks that malloc
+/// caches, would fragment the space that the arrays of a window leave, and the arrays of the next window would not fit
+/// into it.
 class LargeArrays {
  public:
-  /// Memory for an array in the smallest sufficient gap, the lowest of several; nullptr where the array is not large or
-  /// fits nowhere.
+  /// Memory for an array in the smallest gap that suffices, or in the lowest of several such gaps. nullptr where the
+  /// array is not large or no gap suffices.
   void* take(std::size_t size, std::size_t alignment = line) {
     if (size < least || alignment > line || begin_ == nullptr) return nullptr;
     const std::lock_guard lock(busy_);
-    const std::size_t whole = (size + 2 * line - 1) / line * line;  // the line before the array stores this size
+    const std::size_t whole = (size + 2 * line - 1) / line * line;  // plus a line before the array for this size
     auto best = gaps_.end();
     for (auto gap = gaps_.begin(); gap != gaps_.end(); ++gap)
       if (gap->second >= whole && (best == gaps_.end() || gap->second < best->second)) best = gap;

@@ -1,4 +1,4 @@
-// What the processes do with freed memory.
+// How the processes treat freed memory.
 #pragma once
 
 namespace poretwin {

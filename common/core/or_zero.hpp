@@ -1,4 +1,4 @@
-// Arrays for quantities that most cases do not have.
+// Arrays for quantities that are zero in most cases.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -8,7 +8,7 @@
 
 namespace poretwin {
 
-/// An array whose entries read as zero, without taking memory, until it is allocated.
+/// An array whose entries are zero, without using memory, until it is allocated.
 template <class T>
 class OrZero {
  public:
@@ -17,7 +17,7 @@ class OrZero {
   [[nodiscard]] bool is_allocated() const { return !values_.empty(); }
   void allocate(std::size_t n) { values_.assign(n, zero()); }
   void set(std::size_t a, const T& value) { values_[a] = value; }
-  /// Sets an element of an array with n elements; allocates the array first where necessary.
+  /// Sets an element of an array with n elements. Allocates the array first if necessary.
   void set(std::size_t a, const T& value, std::size_t n) {
     if (!is_allocated()) allocate(n);
     set(a, value);
@@ -29,7 +29,7 @@ class OrZero {
   void grow() {
     if (is_allocated()) values_.push_back(zero());
   }
-  /// The n values; empty while not allocated.
+  /// The n values; empty while the array is not allocated.
   [[nodiscard]] std::vector<T>& values() { return values_; }
   [[nodiscard]] const std::vector<T>& values() const { return values_; }
   void archive(Archive& archive) { archive(values_); }

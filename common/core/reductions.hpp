@@ -1,5 +1,5 @@
-// Sums and maxima over the entries of one rank. Whatever decides about a whole run is formed over all ranks: solvers
-// call Domain (common/particles/domain.hpp), and only Domain calls these.
+// Sums and maxima over the entries of one rank. Decisions about a whole run need all ranks: there solvers call Domain
+// (common/particles/domain.hpp), and only Domain calls these functions.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -11,7 +11,7 @@
 
 namespace poretwin::one_rank {
 
-/// Sum of of_block(first, last) over blocks of fixed size in 0 .. n - 1: the result does not depend on the number of
+/// Sum of of_block(first, last) over blocks of fixed size in 0 .. n - 1. The result does not depend on the number of
 /// threads.
 template <class Block>
 double sum_in_blocks(std::size_t n, const Block& of_block) {
@@ -48,7 +48,7 @@ double sum_over(std::size_t n, const Part& part) {
   });
 }
 
-/// Maximum of `least` and all value(i), i in 0 .. n - 1; evaluated in parallel.
+/// Maximum of `least` and value(i) for all i in 0 .. n - 1; evaluated in parallel.
 template <class Value>
 double max_over(std::size_t n, double least, const Value& value) {
   const std::size_t parts = small_parts_for(n);

@@ -26,7 +26,7 @@ class Team {
     for (auto& member : members_) member.join();
   }
 
-  /// Runs all parts; may be called by one thread at a time.
+  /// Runs all parts; only one thread at a time may call this.
   void share(std::size_t n_parts, void (*work)(const void*, std::size_t), const void* object) {
     const auto begin = Clock::now();
     work_ = work;
@@ -44,11 +44,11 @@ class Team {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Approximate time to wake a thread; longest time to wait actively.
+  /// `waking`: approximate time to wake a thread; `longest`: longest time of active waiting.
   static constexpr Clock::duration waking = std::chrono::microseconds(20), longest = std::chrono::microseconds(200);
   static constexpr Clock::duration soon = std::chrono::microseconds(50);
 
-  /// Returns the value once it differs from `from`; waits actively for the time `awake`, then asleep.
+  /// Returns the value once it differs from `from`. Waits actively for the time `awake`, then sleeps until it changes.
   static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from,
                                     Clock::duration awake) {
     for (const auto begin = Clock::now(); Clock::now() - begin < awake;)
@@ -66,8 +66,8 @@ class Team {
     calls_.notify_all();
   }
 
-  /// Loop of a helping thread. Waits actively for the next call as long as it worked on this one, and at least `waking`
-  /// where this call came soon after it became idle.
+  /// Loop of a helping thread. It waits actively for the next call as long as it worked on the present one, and for at
+  /// least `waking` if the present call came soon after the thread had become idle.
   void serve() {
     Clock::duration awake{};
     for (std::uint32_t seen = 0; !closed_;) {
@@ -94,7 +94,7 @@ class Team {
     }
   }
 
-  // One cache line for each, so that reading one does not delay a thread that changes another.
+  // Each has a cache line of its own, so that reading one does not delay a thread that changes another.
   alignas(64) std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, of its parts, of the next part
   alignas(64) std::atomic<std::uint32_t> done_{0};
   alignas(64) std::atomic<std::uint32_t> calls_{0};

@@ -7,7 +7,7 @@
 
 namespace poretwin {
 
-/// Allocator that leaves numbers uninitialised where no value is given.
+/// Allocator that leaves numbers uninitialised if no value is given.
 template <class T>
 struct Unset : std::allocator<T> {
   template <class Other>

@@ -1,4 +1,4 @@
-// Small vectors and tensors, and aliases for arrays of them; a set of particles is plain arrays of these.
+// Small vectors and tensors, and aliases for arrays of them. A set of particles consists of such plain arrays.
 #pragma once
 
 #include <Eigen/Core>

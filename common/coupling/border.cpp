@@ -32,8 +32,8 @@ class Border {
     if (points && field && field->of_volume) amounts(*field, components, values, *points);
   }
 
-  /// Checks that sums over neighbours are possible: no point may reach all others, none may reach only itself, and they
-  /// must not coincide.
+  /// Checks that sums over neighbours are possible: no point may reach all others or only itself, and points must not
+  /// coincide.
   void points(const PointSet& points) const {
     const auto d = static_cast<std::size_t>(points.dimension);
     const auto power = [d](double x) { return d == 2 ? x * x : x * x * x; };
@@ -82,10 +82,10 @@ class Border {
 
  private:
   static constexpr double farthest = 1e9;         // m
-  static constexpr double most_in_reach = 100.0;  // largest smoothing length over the size of a point
-  static constexpr double most_overlap = 20.0;    // largest sum of volumes at one place, over one volume
+  static constexpr double most_in_reach = 100.0;  // largest ratio of the smoothing length to the size of a point
+  static constexpr double most_overlap = 20.0;    // largest ratio of the sum of all volumes to the space of the points
 
-  /// Bounds of an array that describes points, or of a field outside the standard contract.
+  /// Bounds of an array that describes points, and of a field outside the standard contract.
   static Bounds bounds_of(std::string_view name) {
     constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::min();
     if (name == position_array) return {-farthest, farthest};
@@ -172,7 +172,7 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
 }  // namespace
 
 std::size_t first_outside(std::span<const double> values, double low, double high) {
-  constexpr std::size_t at_once = 64;  // values compared together, without branches
+  constexpr std::size_t at_once = 64;  // number of values that are compared together, without branches
   const auto within = [&](std::size_t k) {
     return (static_cast<int>(values[k] >= low) & static_cast<int>(values[k] <= high)) != 0;
   };
@@ -195,7 +195,7 @@ Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<
   out.time = message.time;
   if (!std::isfinite(message.time)) border.refuse(fmt::format("time: expected a finite number, got {}", message.time));
   out.proposed_interval = body->proposed_interval;
-  constexpr std::size_t few_words = 200;  // number of distinct texts that are kept; each is counted separately
+  constexpr std::size_t few_words = 200;  // longest text kept [characters]; each text has a count of its own
   out.limited_by = body->limited_by.substr(0, few_words);
   if (!(out.proposed_interval > 0.0))
     border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})",

@@ -1,5 +1,5 @@
-// Checks of all received data before use: numbers are finite and within the bounds of their field (docs/protocol.md
-// lists them), points do not coincide, sizes are as announced.
+// Checks of all received data before use. Numbers must be finite and within the bounds of their field (docs/protocol.md
+// lists the bounds); points must not coincide; sizes must be as announced.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -10,21 +10,21 @@
 
 namespace poretwin::coupling {
 
-/// A participant's publication as the coupler keeps it. Points that have not changed are shared with the previous one.
+/// A participant's publication as stored by the coupler. Points that have not changed are shared with the previous one.
 struct Snapshot {
   double time = 0.0;                    ///< s
-  double proposed_interval = no_limit;  ///< s, longest window that the participant accepts now
+  double proposed_interval = no_limit;  ///< s, longest window that the participant accepts at present
   std::string limited_by;
   double unsettled = 0.0;
   std::shared_ptr<const PointSet> points;
   std::vector<Field> fields;
 };
 
-/// Index of the first value outside [low, high] or NaN; the number of values where all are inside.
+/// Index of the first value that is outside [low, high] or NaN; if there is none, the number of values.
 std::size_t first_outside(std::span<const double> values, double low, double high);
 
-/// Turns a PUBLICATION message into a snapshot; `previous` supplies the points where the message leaves them out.
-/// Throws PeerError naming sender, step, field, point and value.
+/// Converts a PUBLICATION message into a snapshot. If the message contains no points, those of `previous` are used.
+/// Throws PeerError that names sender, step, field, point and value.
 Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous);
 
 }  // namespace poretwin::coupling

@@ -28,7 +28,7 @@ decltype(auto) timed(DriveReport& report, const Activity& activity, F&& f) {
   return f();
 }
 
-/// Holds back the frame and gauges of a window until the window is known to be final.
+/// Keeps back the frame and gauges of a window until the window is known to be final.
 class PendingRecord {
  public:
   PendingRecord(const Phase& phase, Recorder& recorder, DriveReport& report)
@@ -44,7 +44,7 @@ class PendingRecord {
     report_.warnings.note(report_.time, phase_.warnings());
     write_now(frame_, gauges_);
   }
-  /// Writes frame and gauges even where none were requested, unless those of this state have been written.
+  /// Writes frame and gauges even where none were requested, but not twice for the same state.
   void write_now(bool frame, bool gauges) {
     timed(report_, writing, [&] {
       // Gauges first: frames show some of the values that gauge readings compute.
@@ -127,8 +127,8 @@ class CoupledRun {
     if (!checkpoints_) throw PeerError("the coupler asks for a checkpoint, none was promised");
     pending_.write();
     timed(report_, writing, [&] {
-      // Done before the new one is written: `keep` does not name it yet, since the coupler lists it only after this
-      // process has reported it.
+      // Old checkpoints are removed before the new one is written. `keep` does not name the new one yet: the coupler
+      // lists it only after this process has reported it.
       checkpoints_->keep_only(command.keep);
       Archive state;
       archive(state);
@@ -210,7 +210,7 @@ void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, D
   try {
     CoupledRun(phase, participant, recorder, report, checkpoints).run();
   } catch (const Error& error) {
-    // The coupler knows a peer's failure already, or is gone itself; a second report does no harm.
+    // The coupler already knows that a peer failed, or is gone itself; a second report does no harm.
     participant.abort(error.what(), error.code());
     throw;
   } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// The loops that run a phase: coupled, with a participant as its line to the coupler, or alone.
+// The loops that run a phase: coupled, with a participant as its connection to the coupler, or alone.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -15,11 +15,11 @@
 
 namespace poretwin::coupling {
 
-/// Totals of a run. They are updated continuously, so that they are there after an exception, too.
+/// Totals of a run. They are updated continuously, so that they are also available after an exception.
 struct DriveReport {
   double computing = 0.0, waiting = 0.0, sending = 0.0, writing = 0.0;  ///< s of wall-clock time
   std::uint64_t windows = 0, rejected = 0;
-  std::map<std::string, std::uint64_t> limited_by;  ///< phase alone: what limited the windows, and how many
+  std::map<std::string, std::uint64_t> limited_by;  ///< phase alone: reasons that limited windows, and how many
   double time = 0.0;                                ///< s, end of the last accepted window
   bool interrupted = false;
   std::string reason = "end";
@@ -30,25 +30,25 @@ struct DriveReport {
   void archive(Archive& archive) { archive(windows, rejected, limited_by, time, warnings); }
 };
 
-/// Joins, then carries out the coupler's commands until FINISH. A failure of this phase is reported to all (ABORT) and
-/// rethrown; a failure of others arrives as Error with its cause. Without `checkpoints` the participant must not have
-/// announced that it keeps any.
+/// Joins, then executes the coupler's commands until FINISH. A failure of this phase is reported to all processes
+/// (ABORT) and rethrown; a failure of another process arrives as Error with its cause. Without `checkpoints` the
+/// participant must not have announced that it keeps checkpoints.
 void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report,
                    const CheckpointStore* checkpoints = nullptr);
 DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& recorder);
 
 using ProgressCallback = std::function<void(const Progress&)>;
 
-/// Runs a phase alone (with an empty inbox) to the case's end. A window is as long as the phase proposes and
-/// coupling.interval and the output times allow; a rejected one is restored and repeated with a shorter length. Calls
-/// interrupted() between windows. `shortest`: the shortest characteristic time [s] and its name, from shortest_time();
-/// 0: no check for runs that are stuck in tiny windows.
+/// Runs a phase alone (with an empty inbox) to the end of the case. A window is as long as the phase proposes and
+/// coupling.interval and the output times allow. After a rejection the state is restored and the window repeated with a
+/// shorter length. Calls interrupted() between windows. `shortest`: the shortest characteristic time [s] and its name,
+/// from shortest_time(); 0: no check for runs that are stuck in tiny windows.
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
                  DriveReport& report, Checkpoints checkpoints = {},
                  const std::pair<double, std::string>& shortest = {0.0, ""});
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress = {});
 
-/// Length [s] with which a rejected window is repeated: the suggested one, at most half of the one tried.
+/// Length [s] with which a rejected window is repeated: the suggested length, but at most half of the one tried.
 double retry_interval(double tried, double suggested);
 
 /// Number of successive rejections of one window after which the run is given up.

@@ -1,5 +1,5 @@
-// What the phases exchange, independent of any transport: fields at points, time windows, answers. docs/protocol.md
-// describes the same exchange as messages, which proto/poretwin.proto defines.
+// The data that phases exchange, independent of any transport: fields at points, time windows, answers. The page
+// docs/protocol.md describes the exchange as messages, which proto/poretwin.proto defines.
 #pragma once
 
 #include <cstddef>
@@ -17,29 +17,29 @@ std::string_view to_string(Role role);
 /// How the coupler carries a field from one point set to the other.
 enum class Mapping {
   consistent,    ///< interpolation; exact for constants and, inside the points, for linear fields
-  nearest,       ///< interpolation, but the nearest point's value at jumps: for soil properties
-  conservative,  ///< transposed weights: sums over giving and receiving points agree to rounding
+  nearest,       ///< interpolation, but the nearest point's value where the field jumps: for soil properties
+  conservative,  ///< transposed weights: sums over giving and over receiving points are equal to rounding
 };
 
 std::string_view to_string(Mapping mapping);
 
 /// One field of the interface contract.
 struct FieldSpec {
-  std::string name;    ///< one of `field::`
+  std::string name;    ///< one of the names in `field::`
   std::string unit;    ///< SI, as written in output metadata: "Pa", "m/s", "N s"
   int components = 1;  ///< 1, or the dimension for vectors (interleaved: x0 y0 x1 y1 ..)
   Mapping mapping = Mapping::consistent;
-  /// Optional: a one-component field of the same message, in [0, 1], that multiplies the weights of the giving points.
+  /// Optional: a one-component field of the same message, in [0, 1]. It multiplies the weights of the giving points.
   std::string mask;
-  /// The receiver takes several steps per window and needs the value at the window's start, too (consistent fields
-  /// only).
+  /// The receiver takes several steps per window and also needs the value at the window's start (only for consistent
+  /// fields).
   bool in_time = false;
-  /// The receiver repeats windows and needs the value after the giver's last pass, too (consistent fields only).
+  /// The receiver repeats windows and also needs the value after the giver's last pass (only for consistent fields).
   bool found = false;
   bool operator==(const FieldSpec&) const = default;
 };
 
-/// Names of the standard interface (units and meaning in docs/protocol.md).
+/// Names of the standard interface. docs/protocol.md contains the meaning of each field.
 namespace field {
 // fluid -> solid
 inline constexpr std::string_view pore_pressure = "pore_pressure";                // Pa
@@ -76,29 +76,29 @@ inline constexpr std::string_view returned_impulse =
 /// Representation of the water: particles, or a field on the soil's points.
 enum class WaterAs { particles, field };
 
-/// Fields of the standard contract that a role gives; it takes those that the other gives.
+/// Fields of the standard contract that a role gives. The role takes the fields that the other role gives.
 std::vector<FieldSpec> standard_fields(Role giver, int dimension, WaterAs water = WaterAs::particles);
 
-/// What both sides must agree on before the first window.
+/// The properties on which both sides must agree before the first window.
 struct Contract {
   int dimension = 2;
   std::string case_digest;  ///< of the part of the case on which both agree
   std::vector<FieldSpec> gives;
   std::vector<FieldSpec> takes;
-  std::string case_part = {};  ///< the "key = value" lines of which the digest is made; may be empty
+  std::string case_part = {};  ///< the "key = value" lines from which the digest is computed; may be empty
 };
 
-/// Points at which a phase gives fields. The first n_active also receive fields; the others are ghosts. A ghost is an
-/// image of an active point, and passes impulses on to it, or represents matter outside the domain, and only gives.
+/// Points at which a phase gives fields. The first n_active points also receive fields; the others are ghosts. A ghost
+/// is an image of an active point, to which it passes impulses, or stands for matter outside the domain and only gives.
 struct PointSet {
   int dimension = 2;
-  std::uint64_t revision = 0;  ///< changes with any position, volume or smoothing length
+  std::uint64_t revision = 0;  ///< changes whenever any position, volume or smoothing length changes
   std::size_t n_active = 0;
   std::vector<double> position;          ///< [n * dimension] m
   std::vector<double> volume;            ///< [n] m^D, bulk volume that the point represents
   std::vector<double> smoothing_length;  ///< [n] m
-  /// [n] index of the active point of which a ghost is an image, and which receives the ghost's impulses; -1: none. For
-  /// active points their own index.
+  /// [n] For a ghost: index of the active point of which it is an image, and which receives the ghost's impulses; -1:
+  /// no such point. For an active point: its own index.
   std::vector<double> owner;
   [[nodiscard]] std::size_t size() const { return volume.size(); }
 };
@@ -112,13 +112,13 @@ struct Field {
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 
-/// A phase's state at the end of its last window, as far as the other phase receives it.
+/// A phase's state at the end of its last window: the part that the other phase receives.
 struct Publication {
   double time = 0.0;                    ///< s
-  double proposed_interval = no_limit;  ///< s, the longest window that this side considers stable and accurate now
+  double proposed_interval = no_limit;  ///< s, longest window that this side considers stable and accurate now
   std::string limited_by;               ///< what determines proposed_interval, in a few words
-  /// From a solid: how far its motion departs from the predicted one, as the force that such a departure needs, over
-  /// the weight.
+  /// From a solid: departure of its motion from the predicted motion. It is given as the force that such a departure
+  /// requires, over the weight.
   double unsettled = 0.0;
   PointSet points;
   std::vector<Field> fields;
@@ -126,22 +126,22 @@ struct Publication {
 
 /// The other phase's fields at this phase's active points.
 struct Inbox {
-  /// [n_active] sum of V W over the other side's points, with their volumes V and the kernel W: 1 inside, 0 outside,
-  /// ~0.5 on a flat edge.
+  /// [n_active] sum of V W over the other side's points, with their volumes V and the kernel W: 1 inside the other
+  /// side's matter, 0 outside, about 0.5 on a flat edge.
   std::vector<double> coverage;
-  /// [n_active] |sum V W (x_j - x)| / (h sum V W) over the other side's points x_j: the offset of their centre from x,
-  /// in smoothing lengths h. 0 inside however disordered the points, 0.47 on a flat edge, 2 at the last neighbour; 0
-  /// where coverage is 0.
+  /// [n_active] |sum V W (x_j - x)| / (h sum V W) over the other side's points x_j: the distance of their centre from
+  /// x, in smoothing lengths h. It is 0 inside (0.3 at most for disordered points), 0.47 on a flat edge, 2 at the last
+  /// neighbour, and 0 where coverage is 0.
   std::vector<double> asymmetry;
   std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
   /// Values at the window's start of the fields taken `in_time`; absent where they do not change during the window.
   std::vector<Field> at_start;
-  std::vector<Field> found;  ///< fields declared `found`, after the giver's last pass; in repeated windows only
-  /// The field of that name; throws PeerError naming it where it is missing.
+  std::vector<Field> found;  ///< fields declared `found`, after the giver's last pass; only in repeated windows
+  /// The field of that name. Throws PeerError with the name if it is missing.
   [[nodiscard]] const Field& at(std::string_view name) const;
-  /// The field of that name in `found`; throws PeerError naming it where it is missing.
+  /// The field of that name in `found`. Throws PeerError with the name if it is missing.
   [[nodiscard]] const Field& found_at(std::string_view name) const;
-  /// Values at a time within the window, linear between its start (share 0) and its end (share 1).
+  /// Values at a time within the window, interpolated linearly between its start (share 0) and its end (share 1).
   [[nodiscard]] std::vector<double> between(std::string_view name, double share) const;
 };
 
@@ -156,8 +156,8 @@ struct Window {
 /// A phase's answer to a window.
 struct Outcome {
   bool accepted = true;
-  double suggested_interval = 0.0;  ///< s, where rejected: longest window that it would accept
-  std::string reason;               ///< why it was rejected
+  double suggested_interval = 0.0;  ///< s, if rejected: longest window that the phase would accept
+  std::string reason;               ///< reason of a rejection
   static Outcome accept() { return {}; }
   static Outcome reject(double interval, std::string why) { return {false, interval, std::move(why)}; }
 };

@@ -19,7 +19,7 @@
 namespace poretwin::coupling {
 namespace {
 
-constexpr auto tick = Milliseconds(10);  // time between checks of what strangers have sent
+constexpr auto tick = Milliseconds(10);  // time between checks of connections that are no participant's
 
 std::uint64_t cookie_of(int descriptor) {
   std::uint64_t cookie = 0;
@@ -49,7 +49,7 @@ bool split(const sockaddr_storage& end, std::uint32_t* address, std::uint16_t& p
 }
 
 /// The user at the other end of a tcp connection within this machine. The kernel is asked for this one connection
-/// (sock_diag(7)): reading its table of all connections would take longer the more strangers there are.
+/// (sock_diag(7)): the time to read its table of all connections would grow with the number of strangers.
 std::optional<uid_t> other_user(int descriptor) {
   sockaddr_storage ours{}, theirs{};
   socklen_t size = sizeof ours, other_size = sizeof theirs;
@@ -88,7 +88,7 @@ std::size_t descriptors_open() {
       std::distance(std::filesystem::directory_iterator("/proc/self/fd", none), std::filesystem::directory_iterator()));
 }
 
-/// Number of strangers for which the process has descriptors, after raising its limit as far as allowed.
+/// Number of strangers' connections for which the process has descriptors, after raising its limit as far as allowed.
 std::size_t room_for_strangers(const GateLimits& limits) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return limits.connections;
@@ -145,7 +145,7 @@ void Gate::keep_looking() {
   }
 }
 
-/// Reads pending events of the monitor, in the order in which they happened. Returns true where there may be more.
+/// Reads pending events of the monitor in the order in which they happened. Returns true where more may be pending.
 bool Gate::look() {
   constexpr int most_at_once = 64;
   for (int count = 0; count < most_at_once; ++count) {
@@ -179,8 +179,8 @@ bool Gate::look() {
   return true;
 }
 
-/// Identifies a new connection. To be called only after all events of the monitor have been read: before, the
-/// descriptor may already belong to a later connection.
+/// Identifies a new connection. To be called only after all events of the monitor have been read: while events are
+/// pending, the descriptor may already belong to a later connection.
 void Gate::meet(int descriptor, Connection& connection) {
   connection.cookie = cookie_of(descriptor);
   if (!own_user_only_) return;
@@ -190,8 +190,8 @@ void Gate::meet(int descriptor, Connection& connection) {
         fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
 }
 
-/// Ends one connection where there are too many: among those that have sent nothing the oldest, since the newest may be
-/// a participant about to join. Returns false where there are not too many.
+/// Ends one stranger's connection where there are too many: the oldest of those that have sent nothing, if any, since
+/// the newest may be that of a participant about to join. Returns false where there are not too many.
 bool Gate::make_room() {
   std::size_t strangers = 0;
   auto oldest = connections_.end();
@@ -214,8 +214,8 @@ void Gate::end(int descriptor, Connection& connection, const std::string& why) {
   if (cookie_of(descriptor) == connection.cookie) ::shutdown(descriptor, SHUT_RDWR);
 }
 
-/// Checks the number of strangers, what they have sent and how long they have stayed, and ends connections beyond the
-/// limits.
+/// Ends connections of strangers beyond the limits: on their number, on the bytes they have sent and on the time they
+/// have stayed.
 void Gate::enforce() {
   if (!limits_) return;
   for (auto& [descriptor, connection] : connections_)
@@ -235,10 +235,10 @@ void Gate::enforce() {
 }
 
 bool Gate::heard(const std::string& line, int descriptor) {
-  // A message that was sent before its connection closed is still processed afterwards.
+  // Messages of a participant are processed even if they arrive after its connection has closed.
   if (members_.count(line) > 0) return true;
   const std::lock_guard lock(mutex_);
-  while (look()) {  // find the connection that has this descriptor now
+  while (look()) {  // reads all events, to find the connection that has this descriptor now
   }
   const auto found = connections_.find(descriptor);
   if (found == connections_.end()) return !limits_;

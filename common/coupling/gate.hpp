@@ -1,6 +1,6 @@
-// Connections to the coupler's socket: which line of communication each belongs to, and how much those that belong to
-// no participant (strangers) may do. A port that others can reach must cost the run only a bounded amount of memory,
-// descriptors, log and time.
+// Connections to the coupler's socket: finds the line of communication of each connection, and limits the connections
+// that belong to no participant (strangers). A port that others can reach must cost the run only a bounded amount of
+// memory, descriptors, log and time.
 #pragma once
 
 #include "common/coupling/transport.hpp"
@@ -21,40 +21,40 @@ namespace poretwin::coupling {
 
 /// Limits for connections of strangers.
 struct GateLimits {
-  std::uint64_t bytes = 1 << 20;      ///< received; a HELLO with its contract takes some thousand
-  int messages = 20;                  ///< a participant sends three before it is accepted
+  std::uint64_t bytes = 1 << 20;      ///< received bytes; a HELLO with its contract takes some thousand
+  int messages = 20;                  ///< a participant sends three messages before it is accepted
   std::size_t connections = 128;      ///< at the same time
   Milliseconds silent{10'000};        ///< until the first valid message
-  Milliseconds guest{600'000};        ///< from the request for the case to HELLO, while particles are made
+  Milliseconds guest{600'000};        ///< from the request for the case to HELLO, while the participant makes particles
   Milliseconds refused{1'000};        ///< time to read the reason of a refusal
   std::size_t descriptors_kept = 16;  ///< reserved for checkpoints and summaries
   std::size_t notices = 20;           ///< lines in the log
 };
 
-/// Watches the events of a socket's monitor in a thread of its own, so that strangers cannot take advantage of a
-/// coupler that is busy mapping for long. libzmq reports which descriptors it has accepted. A connection is ended by
-/// shutting down its descriptor, which libzmq treats as if the other end had left.
+/// Watches the events of a socket's monitor in its own thread, so that strangers cannot exploit the time in which the
+/// coupler is busy mapping. libzmq reports the descriptors that it has accepted. The gate ends a connection by shutting
+/// down its descriptor, which libzmq treats as if the other end had left.
 class Gate {
  public:
-  /// `monitor` must report ZMQ_EVENT_ACCEPTED, HANDSHAKE_FAILED_PROTOCOL and DISCONNECTED, and be used by the gate
-  /// alone. `limits`: absent for a socket whose other ends are trusted. own_user_only: connections over tcp from other
-  /// users of this machine are ended.
+  /// `monitor` must report ZMQ_EVENT_ACCEPTED, HANDSHAKE_FAILED_PROTOCOL and DISCONNECTED, and only the gate may use
+  /// it. `limits`: absent for a socket whose other ends are trusted. own_user_only: ends tcp connections of other users
+  /// of this machine.
   Gate(zmq::socket_t& monitor, std::optional<GateLimits> limits, bool own_user_only);
   Gate(const Gate&) = delete;
   Gate& operator=(const Gate&) = delete;
   ~Gate();
 
-  /// Records a message that arrived on that line through that descriptor; returns whether it may be processed.
+  /// Records a message that arrived on that line through that descriptor. Returns whether it may be processed.
   bool heard(const std::string& line, int descriptor);
   void regard(const std::string& line, Hub::Standing standing);
-  /// A line whose connection has closed, each reported once.
+  /// A line whose connection has closed. Each such line is returned once.
   std::optional<std::string> closed();
-  /// A text for the log; empty: none.
+  /// A text for the log; empty if there is no text.
   std::string notice();
   void note(const std::string& what);
-  /// Descriptor of a line's connection; -1: none.
+  /// Descriptor of a line's connection; -1 if it has none.
   [[nodiscard]] int descriptor_of(const std::string& line) const;
-  /// Descriptor that becomes readable when closed() or notice() may return something.
+  /// Descriptor that becomes readable when closed() or notice() may return a result.
   [[nodiscard]] int signal() const { return signal_; }
 
  private:
@@ -62,7 +62,7 @@ class Gate {
   struct Connection {
     std::uint64_t cookie = 0;  ///< the kernel's identifier, since descriptors are reused; 0: not read yet
     std::string line;
-    Clock::time_point until;  ///< time at which it is ended unless it is a participant's by then
+    Clock::time_point until;  ///< time at which the connection is ended unless it belongs to a participant by then
     Clock::time_point since;
     int messages = 0;
     bool member = false, ended = false;
@@ -80,12 +80,12 @@ class Gate {
   const bool own_user_only_;
   int events_ = -1, signal_ = -1, stop_ = -1;
   std::size_t most_strangers_ = 0;
-  // Messages from participants must never wait for the handling of strangers.
+  // Messages from participants must never wait until messages from strangers are handled.
   std::set<std::string> members_;  ///< used by the hub's thread only
   mutable std::mutex mutex_;       ///< guards the monitor and the next two members
   std::map<int, Connection> connections_;
   std::map<std::string, int> descriptor_of_;
-  std::mutex news_;  ///< guards what is passed to the hub's thread; locked last
+  std::mutex news_;  ///< guards the data that are passed to the hub's thread; locked last
   std::deque<std::string> closed_, notices_;
   std::set<std::string> said_;
   std::thread thread_;

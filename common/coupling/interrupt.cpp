@@ -8,7 +8,7 @@ namespace poretwin::coupling {
 namespace {
 
 // A signal handler may use static storage only.
-std::atomic<long> first_signal = 0;  // s of CLOCK_MONOTONIC; 0: none
+std::atomic<long> first_signal = 0;  // time of the first signal, s of CLOCK_MONOTONIC; 0: none
 static_assert(std::atomic<long>::is_always_lock_free);
 
 extern "C" void note_signal(int number) {

@@ -1,14 +1,14 @@
-// Ctrl-C and SIGTERM set a flag that the loops read, so that a window is finished and recorded before a process ends.
+// Ctrl-C and SIGTERM set a flag that the loops check, so that a window is finished and recorded before a process ends.
 #pragma once
 
 namespace poretwin::coupling {
 
-/// Time [s] after the first signal during which further ones are ignored: schedulers and timeout(1) send one to every
-/// process and another to the group, which must not prevent the checkpoint.
+/// Time [s] after the first signal during which further signals are ignored. Schedulers and timeout(1) send one signal
+/// to every process and another to the group; the second must not prevent the checkpoint.
 inline constexpr int stop_grace = 10;
 
-/// While it exists, SIGINT and SIGTERM only set a flag; a signal later than stop_grace after the first ends the process
-/// at once. Broken pipes and files at their size limit become errors instead of signals.
+/// While a guard exists, SIGINT and SIGTERM only set a flag; a signal later than stop_grace after the first ends the
+/// process immediately. Broken pipes and files at their size limit cause errors instead of signals.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -248,7 +248,7 @@ const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Head
     refuse(fmt::format("expected element type FLOAT64_LE, got {}", static_cast<int>(in.element())));
   if (in.components() < 1 || in.components() > 9)
     refuse(fmt::format("expected 1 to 9 components, got {}", in.components()));
-  // The frame is in memory: its size bounds n before a multiplication could overflow.
+  // The frame is in memory, so that its size limits n before a multiplication can overflow.
   const std::uint64_t points = frame.size / (sizeof(double) * in.components());
   if (in.n() != points || frame.size != points * sizeof(double) * in.components())
     refuse(fmt::format("expected {} points x {} components x 8 bytes, got a frame of {} bytes", in.n(), in.components(),
@@ -265,7 +265,7 @@ std::vector<double> Array::take() {
   std::vector<double> copy;
   if (reinterpret_cast<std::uintptr_t>(received.data) % alignof(double) == 0) {
     const auto* const first = reinterpret_cast<const double*>(received.data);
-    copy.assign(first, first + n);  // not resized: that would clear the memory first, one more pass over it
+    copy.assign(first, first + n);  // resize() would first clear the memory, which is one more pass over it
   } else {
     copy.resize(n);
     std::memcpy(copy.data(), received.data, n * sizeof(double));
@@ -329,7 +329,7 @@ Frames encode(Message message) {
 }
 
 Message decode(const Frames& frames) {
-  // Errors in a message are reported by exceptions only, so that a stranger cannot fill the log.
+  // Errors in a message are reported by exceptions only, so that foreign messages cannot fill the log.
   [[maybe_unused]] static const auto loud = google::protobuf::SetLogHandler(nullptr);
   wire::Header header;
   if (frames.empty() || frames.front().size > 16u * 1024u * 1024u ||

@@ -24,10 +24,10 @@ inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
-/// Suffixes of a field's name: its values at the window's start, and after the last pass.
+/// Suffixes of a field's name for its values at the window's start, and for those after the last pass.
 inline constexpr std::string_view start_suffix = "@start", found_suffix = "@found";
 
-/// Bytes, and an owner that keeps them alive as long as anything, such as a socket, still reads them.
+/// Bytes, and an owner that keeps them alive as long as they are read, for instance by a socket.
 struct Frame {
   std::shared_ptr<const void> owner;
   const char* data = nullptr;
@@ -38,8 +38,8 @@ struct Frame {
 /// [Header][raw frame]*
 using Frames = std::vector<Frame>;
 
-/// One named array of a message: n * components values. A message made here has them in `values`; a decoded one in
-/// `received`, from which take() copies them.
+/// One named array of a message: n * components values. In a message made here the array has them in `values`. In a
+/// decoded message it has them in `received`, from which take() copies them.
 struct Array {
   std::string name;
   std::string unit;
@@ -47,8 +47,8 @@ struct Array {
   std::vector<double> values;
   Frame received = {};
   [[nodiscard]] std::size_t size() const { return values.empty() ? received.size / sizeof(double) : values.size(); }
-  /// Moves the values out; may be called once. Values in memory that another process can write are checked after this
-  /// copy.
+  /// Moves the values out; may be called once. Values in memory that another process can write to are checked after
+  /// they are copied here.
   std::vector<double> take();
 };
 
@@ -63,7 +63,7 @@ struct PointsInfo {
 struct CaseRequest {
   std::string role;
 };
-/// The case as the coupler has read it, for a participant without a file of its own.
+/// The case as the coupler has read it, for a participant that has no case file.
 struct CaseFile {
   std::string text;                    ///< TOML
   std::vector<std::string> overrides;  ///< "section.key=value"
@@ -77,7 +77,7 @@ struct Hello {
   std::uint64_t process = 0;
   std::string host;
   bool keeps_checkpoints = false;
-  std::vector<std::string> checkpoints = {};  ///< names of checkpoints from which it could resume
+  std::vector<std::string> checkpoints = {};  ///< names of checkpoints from which the participant could resume
 };
 struct Welcome {
   double heartbeat_interval = 1.0;  ///< s
@@ -151,15 +151,15 @@ struct Message {
 /// A message without arrays.
 Message message_of(Body body, std::uint64_t step = 0);
 
-/// "ADVANCE", ...: for logs and errors.
+/// "ADVANCE", ...: the message's name for logs and errors.
 std::string_view name_of(const Body& body);
 /// "ADVANCE step 7 (t = 0.3 s)".
 std::string describe(const Message& message);
 
-/// A message as frames; arrays are moved into their frames, not copied.
+/// Converts a message to frames. Arrays are moved into their frames, not copied.
 Frames encode(Message message);
-/// The message in a list of frames. Throws PeerError saying what is wrong: no header, unknown kind, number or size of
-/// frames, element type. For another protocol_major only the header is read (the caller refuses the peer by `major`).
+/// Converts frames to a message. Throws PeerError with the fault: no header; wrong kind, number or size of frames;
+/// wrong element type. For another protocol_major only the header is read (the caller refuses the peer by `major`).
 Message decode(const Frames& frames);
 
 }  // namespace poretwin::coupling

@@ -1,4 +1,4 @@
-// A phase made of formulas: a partner in tests of the coupler and of each solver, and a substitute for a missing
+// A phase made of formulas. It is a partner in tests of the coupler and of each solver, and a substitute for a missing
 // solver.
 #pragma once
 
@@ -11,23 +11,23 @@
 
 namespace poretwin::coupling {
 
-/// Points of a square lattice that fills [lower, lower + extent], half a spacing from its edges; all are active.
+/// Points of a square lattice that fills [lower, lower + extent], half a spacing from its edges. All points are active.
 PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent,
                         double spacing, double smoothing_per_spacing = 1.3);
 
 /// Value of a component of the named field at the position x [dimension] and time t [s].
 using FieldFormula = std::function<double(const std::string& name, int component, const double* x, double t)>;
 
-/// A publication of the standard contract with field values by a formula. Without one, soil_fraction is 1 and
+/// A publication of the standard contract with field values by a formula. Without a formula, soil_fraction is 1 and
 /// solid_volume_fraction 0.6.
 Publication formula_publication(Role role, double t, PointSet points, const FieldFormula& formula = {});
 
-/// Faults that the mock commits, and at which step. Steps count from 1; 0: never.
+/// Faults of the mock, and the steps at which they occur. Steps count from 1; 0: never.
 struct MockKnobs {
   std::map<std::uint64_t, int> rejections;      ///< step -> number of times in a row that its window is rejected
-  std::uint64_t nan_at = 0;                     ///< publishes NaN after this step
-  std::string nan_field{field::pore_pressure};  ///< field whose last point is then NaN
-  std::uint64_t die_at = 0;                     ///< throws MockDeath inside this step, without telling the coupler
+  std::uint64_t nan_at = 0;                     ///< the values published after this step include a NaN
+  std::string nan_field{field::pore_pressure};  ///< field whose value at the last point is then NaN
+  std::uint64_t die_at = 0;                     ///< throws MockDeath inside this step, without a message to the coupler
   std::uint64_t diverge_at = 0;                 ///< throws DivergedError inside this step
   std::uint64_t freeze_at = 0;                  ///< calls on_freeze inside this step, then sleeps for freeze_for
   std::chrono::milliseconds freeze_for{0};
@@ -36,7 +36,7 @@ struct MockKnobs {
   std::string digest = "mock";
 };
 
-/// Not derived from std::exception, so that it passes all code that reports errors, as kill -9 would.
+/// Not derived from std::exception, so that no code that reports errors catches it: the effect is that of kill -9.
 struct MockDeath {};
 
 class MockPhase : public Phase {
@@ -57,8 +57,8 @@ class MockPhase : public Phase {
 
   // Calls and inputs of the mock, which tests check.
   struct Seen {
-    std::vector<Window> windows;  ///< all attempts, repeated ones included
-    std::vector<Inbox> inboxes;   ///< of initialise, then of every attempt
+    std::vector<Window> windows;  ///< all attempts, including repeated ones
+    std::vector<Inbox> inboxes;   ///< of initialise, then of every attempt at a window
     int restores = 0;
   };
   [[nodiscard]] const Seen& seen() const { return seen_; }
@@ -78,7 +78,7 @@ class MockPhase : public Phase {
   Seen seen_;
 };
 
-/// Keeps in memory what a driver records.
+/// Stores in memory the records of a driver.
 class MemoryRecorder final : public Recorder {
  public:
   struct Readings {

@@ -31,7 +31,7 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// Calls answered() until it returns true or the deadline has passed; meanwhile writes log lines.
+/// Calls answered() until it returns true or the deadline has passed. Writes a log line now and then while it waits.
 template <class Answered>
 void wait_for_coupler(const Transport& transport, const std::string& name, const ParticipantOptions& options,
                       Answered&& answered) {
@@ -161,11 +161,11 @@ class Participant::Implementation {
   }
 
   void abort(const std::string& reason, ExitCode code) {
-    if (left_.exchange(true)) return;  // all have been told already
+    if (left_.exchange(true)) return;  // all have been informed already
     try {
       send(message_of(Abort{name_, reason, code}, step_));
     } catch (const std::exception&) {
-      // The first cause has been reported; the coupler sees that the connection closes.
+      // The first cause has been reported; the coupler notices that the connection closes.
     }
   }
 
@@ -268,7 +268,7 @@ class Participant::Implementation {
       command.kind = Command::Kind::restore;
       command.reason = r->reason;
       n_active_ = n_active_before_;
-      revision_sent_.reset();  // after a restore, the phase may use a revision number again
+      revision_sent_.reset();  // after a restore, the phase may use the same revision number for other points
     } else if (const auto* c = std::get_if<CheckpointOrder>(&message.body)) {
       command.kind = Command::Kind::checkpoint;
       command.checkpoint = c->name;
@@ -398,7 +398,7 @@ class Participant::Implementation {
   std::uint64_t step_ = 0;
   std::uint32_t iteration_ = 0;
   Window window_;
-  std::size_t n_active_ = 0, n_active_before_ = 0;  ///< number of receiving points: now, and when the window began
+  std::size_t n_active_ = 0, n_active_before_ = 0;  ///< number of receiving points: now; at the window's start
   std::optional<std::uint64_t> revision_sent_;
   Clock::time_point heard_ = Clock::now();
   std::string last_ = "none", waiting_for_;

@@ -11,13 +11,13 @@ namespace poretwin::coupling {
 
 struct ParticipantOptions {
   Milliseconds welcome_deadline{60'000};        ///< for the coupler's answer to HELLO
-  Milliseconds coupler_deadline{60'000};        ///< without a message, before the coupler counts as frozen
+  Milliseconds coupler_deadline{60'000};        ///< time without a message after which the coupler counts as frozen
   Milliseconds say_every{5'000};                ///< interval of log lines while waiting
   std::function<void(const std::string&)> say;  ///< writes one line to the log; absent: no log
-  std::function<bool()> interrupted;            ///< whether a user asked to stop; heartbeats pass it to the coupler
+  std::function<bool()> interrupted;            ///< whether a user requested a stop; heartbeats tell the coupler
   std::string software = "poretwin";
   bool keeps_checkpoints = false;
-  std::vector<std::string> checkpoints;  ///< names of checkpoints from which it could resume
+  std::vector<std::string> checkpoints;  ///< names of checkpoints from which the participant could resume
 };
 
 /// The coupler's next request.
@@ -26,12 +26,12 @@ struct Command {
   Kind kind = Kind::finish;
   Window window;
   Inbox inbox;
-  /// Whether the state at the window's end (initialise: at time zero) is recorded, once the window is known to be
-  /// final.
+  /// Whether to record the state at the window's end (for initialise, at time zero). It is recorded once the window is
+  /// known to be final.
   bool record_frame = false;
   bool record_gauges = false;
   std::string reason;
-  std::string checkpoint;         ///< name of the one to write, or from which to resume
+  std::string checkpoint;         ///< name of the checkpoint to write, or from which to resume
   std::vector<std::string> keep;  ///< names of earlier checkpoints to keep
 };
 
@@ -41,36 +41,36 @@ struct ParticipantTotals {
   double sending = 0.0, waiting = 0.0;                     ///< s
 };
 
-/// Requests the case from the coupler, before HELLO is sent on this line. Throws as Participant::join does.
+/// Requests the case from the coupler, before HELLO is sent on this line. Throws the same errors as Participant::join.
 CaseFile request_case(Transport& transport, Role role, const ParticipantOptions& options);
 
 class Participant {
  public:
   Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options = {});
-  /// Closes the connection silently where neither bye() nor abort() was called: the coupler then reports a death.
+  /// If neither bye() nor abort() was called, closes the connection silently: the coupler then reports a death.
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// Exchanges HELLO and WELCOME. Throws PeerError when refused (naming what differs) or when no answer comes in time.
+  /// Exchanges HELLO and WELCOME. Throws PeerError if refused (with the difference) or if no answer comes in time.
   void join();
-  /// Answers initialise, resume and advance.
+  /// Answers the commands initialise, resume and advance.
   void publish(Publication publication);
-  /// Answers advance, where the window must be repeated with a shorter length.
+  /// Answers the command advance if the window must be repeated with a shorter length.
   void reject(const Outcome& outcome);
-  /// Answers checkpoint.
+  /// Answers the command checkpoint.
   void confirm_checkpoint(const std::string& name);
-  /// Waits for the next command. Throws Error with the coupler's reason on ABORT, PeerError when the coupler is gone or
-  /// silent.
+  /// Waits for the next command. Throws Error with the coupler's reason on ABORT, and PeerError when the coupler has
+  /// left or is silent.
   Command receive();
-  /// Reports to the coupler, and through it to all, that this phase cannot continue.
+  /// Reports to the coupler, and through it to all processes, that this phase cannot continue.
   void abort(const std::string& reason, ExitCode code);
   void bye(const std::string& reason);
 
   [[nodiscard]] Role role() const;
   [[nodiscard]] const Contract& contract() const;
   [[nodiscard]] ParticipantTotals totals() const;
-  /// false: no heartbeats, as from a frozen process; for mocks.
+  /// false: stops the heartbeats, as in a frozen process; for mocks.
   void set_heartbeats(bool on);
 
  private:

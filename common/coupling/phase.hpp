@@ -1,5 +1,5 @@
-// The interface that a phase implements to be run, coupled or alone. The fluid, the solid and mocks implement it;
-// drive.hpp runs it.
+// The interface that a phase implements in order to be run, coupled or alone. The fluid, the solid and mocks implement
+// it. drive.hpp runs it.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -27,11 +27,11 @@ struct FieldDeclaration {
 };
 
 struct OutputField : FieldDeclaration {
-  TellParticle tell;  ///< writes all its components for one particle
+  TellParticle tell;  ///< writes all components of the field for one particle
 };
 
-/// All output of one phase at one time. It is read particle by particle, so that it is never in memory as a whole.
-/// Valid until the phase changes.
+/// All output of one phase at one time. It is read particle by particle, so that it is never completely in memory. It
+/// is valid until the phase changes.
 struct OutputFrame {
   double time = 0.0;
   std::size_t count = 0;  ///< number of particles
@@ -47,7 +47,7 @@ TellParticle tell_vectors_by(Value value) {
     for (int d = 0; d < 3; ++d) numbers[d] = d < D ? vector[d] : 0.0;
   };
 }
-/// The same of an array, which must outlive the frame.
+/// As tell_vectors_by(), for an array, which must outlive the frame.
 template <int D>
 TellParticle tell_vectors(const VecArray<D>& values) {
   return tell_vectors_by<D>([&values](std::size_t i) { return values[i]; });
@@ -64,8 +64,8 @@ struct GaugeReading {
   std::string unit;
 };
 
-/// One phase of the mixture. All calls come from one thread, in the order: initialise, then (save, advance, [restore],
-/// publish)*.
+/// One phase of the mixture. All calls come from one thread, in the order: initialise, then repeatedly save, advance,
+/// if necessary restore, and publish.
 class Phase {
  public:
   Phase() = default;
@@ -78,7 +78,7 @@ class Phase {
   /// Fields, points and proposed interval at the current time.
   [[nodiscard]] virtual coupling::Publication publish() const = 0;
 
-  /// What is needed of a publication where the phase runs alone: the proposed interval [s] and what limits it.
+  /// The part of a publication that a phase needs alone: the proposed interval [s] and the reason for its limit.
   [[nodiscard]] virtual std::pair<double, std::string> proposal() const {
     auto publication = publish();
     return {publication.proposed_interval, std::move(publication.limited_by)};
@@ -88,21 +88,21 @@ class Phase {
   /// equilibrium here).
   virtual void initialise(const coupling::Inbox& inbox) = 0;
 
-  /// Advances by one window. After a rejection the caller restores. Throws DivergedError where no shorter window would
-  /// help.
+  /// Advances by one window. After a rejection the caller restores the state. Throws DivergedError if no shorter window
+  /// would help.
   virtual coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) = 0;
 
-  /// save() stores the complete state (particles, lists that affect results, initial guesses, controllers), restore()
-  /// returns to it.
+  /// save() stores the complete state (particles, lists that affect results, initial guesses, controllers); restore()
+  /// returns to the stored state.
   virtual void save() = 0;
   virtual void restore() = 0;
 
   /// Whether the phase, run alone, may reject a window. If not, drive_alone() does not save its state before windows.
   [[nodiscard]] virtual bool may_reject() const { return true; }
 
-  /// Writes the complete state to a checkpoint between windows, or reads it: the run then continues bit by bit as if it
-  /// had not been interrupted. A phase that reads has just been made from the same case, and initialise() is not
-  /// called.
+  /// Writes the complete state to a checkpoint between windows, or reads it. After reading, the run continues bit by
+  /// bit as if it had not been interrupted. A phase that reads has just been made from the same case, and initialise()
+  /// is not called.
   virtual void archive(Archive& archive) = 0;
 
   [[nodiscard]] virtual OutputFrame frame() const = 0;
@@ -111,7 +111,7 @@ class Phase {
   /// Counters for the run's summary: "particles", "substeps", "pressure iterations", "steps asleep", ...
   [[nodiscard]] virtual std::map<std::string, double> counters() const = 0;
 
-  /// Warnings for the user, with counts since the start of the run; read after every accepted window.
+  /// Warnings for the user, with counts since the start of the run. They are read after every accepted window.
   [[nodiscard]] virtual std::vector<Warning> warnings() const { return {}; }
 };
 

@@ -22,7 +22,7 @@ struct Run {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
 };
 
-/// Writes the coupler's case to OUT/case.toml and reads it, so that the run's folder holds all its input.
+/// Writes the case sent by the coupler to OUT/case.toml, so that the run's folder contains all its input, and reads it.
 Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, const ParticipantOptions& options) {
   auto file = request_case(line, role, options);
   const auto path = arguments.out / "case.toml";
@@ -34,7 +34,7 @@ Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, con
   return read_case(path, file.overrides);
 }
 
-/// Throws CaseError unless the case is one for this phase alone: without a partner no fields arrive.
+/// Throws CaseError unless the case has this phase only: without a partner no fields arrive.
 void expect_own(const Case& scene, Role role) {
   const auto fail = [&](std::string_view found, std::string_view hint) {
     throw CaseError(fmt::format("{}: --alone: expected a case of the {} alone, found {}; {}", scene.path.string(),
@@ -48,7 +48,7 @@ void expect_own(const Case& scene, Role role) {
          fmt::format("start poretwin-{}", scene.deformable() ? "solid" : "fluid"));
 }
 
-/// Throws CaseError where the water of this case belongs to another program (particles or a field).
+/// Throws CaseError where another program computes the water of this case (one is for particles, one for a field).
 void expect_representation(const Case& scene, Role role, FluidCase::Representation representation) {
   if (role != Role::fluid || scene.fluid.representation == representation) return;
   throw CaseError(fmt::format("{}: fluid.representation = \"{}\" is for poretwin-{}", scene.path.string(),

@@ -99,7 +99,7 @@ int process_main(int argc, char** argv, const std::string& called, const std::st
     summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     write_summary(summary_file(arguments, name), summary);
   } catch (const std::exception& error) {
-    // After a failure this error is only a consequence: `poretwin run` shows the last error of a log.
+    // After a failure, this error is only a consequence. `poretwin run` shows the last line with "error:" in a log.
     log_line(name + (code == ExitCode::success ? ": error: " : ": and then: ") + error.what());
     if (code == ExitCode::success) code = ExitCode::input_output;
   }

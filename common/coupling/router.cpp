@@ -20,7 +20,7 @@ bool is_loopback(const std::string& address) {
   return false;
 }
 
-/// Answers ZeroMQ's authentication requests (ZAP, rfc.zeromq.org/spec/27): is a key admitted?
+/// Answers ZeroMQ's authentication requests (ZAP, rfc.zeromq.org/spec/27): whether a key is admitted.
 class Doorkeeper {
  public:
   Doorkeeper(zmq::context_t& context, const CurveKeys& keys) : socket_(context, zmq::socket_type::rep) {
@@ -31,7 +31,7 @@ class Doorkeeper {
     socket_.bind("inproc://zeromq.zap.01");
   }
   void* handle() { return socket_.handle(); }
-  /// Answers one request; returns the address of a refused connection, else an empty text.
+  /// Answers one request; returns the address of the connection if it is refused, else an empty text.
   std::string answer() {
     const auto request = receive_frames(socket_);
     if (!request) return {};
@@ -116,7 +116,7 @@ class Router final : public Hub {
   std::string address() const override { return address_; }
 
  private:
-  /// Messages are returned before closings: the last message of a peer that died arrived before its line closed.
+  /// Messages are returned before closings, since the last message of a peer that died arrived before its line closed.
   std::optional<Event> next() {
     if (closing_.empty()) closing_ = gate_->closed().value_or("");
     if (auto event = receive_message()) return event;
@@ -126,15 +126,15 @@ class Router final : public Hub {
     return Event{std::exchange(closing_, {}), {}};
   }
 
-  /// Shared memory of both ends of a line within one machine.
+  /// Shared memory of the two ends of a line within one machine: each end lends its own to the other.
   struct Shared {
     LentMemory lent;
     BorrowedMemory borrowed;
     bool may_lend = false;
   };
 
-  /// The memory shared with the other end of a line, or nullptr where it is not accessible. The first call offers
-  /// memory.
+  /// The memory shared with the other end of a line; nullptr where that memory is not accessible. The first call for a
+  /// line offers memory.
   Shared* shared_with(const std::string& line) {
     if (const auto found = shared_.find(line); found != shared_.end()) return &found->second;
     const auto theirs = may_share_ ? sharing::read_routing_id(line) : std::nullopt;
@@ -155,7 +155,7 @@ class Router final : public Hub {
         continue;
       }
       event->frames = shared->borrowed.borrow(std::move(event->frames));
-      // The sender has died, and its shared memory with it. Otherwise the gap in its sequence numbers is detected.
+      // Frames that are still a table: the sender and its shared memory are gone. (Else sequence numbers show a gap.)
       if (!sharing::is_table(event->frames)) return event;
     }
     return std::nullopt;
@@ -176,7 +176,7 @@ class Router final : public Hub {
       event.frames.push_back(keep(std::move(part)));
     }
     if (!gate_->heard(event.line, descriptor)) return std::nullopt;
-    if (event.frames.empty()) event.frames.push_back(Frame::of(std::string()));  // empty: closed line
+    if (event.frames.empty()) event.frames.push_back(Frame::of(std::string()));  // no frames would mean: closed line
     return event;
   }
 
@@ -188,7 +188,7 @@ class Router final : public Hub {
   std::string closing_;  ///< a line that has closed, to be reported once its last messages are read
   bool may_share_ = false;
   std::map<std::string, Shared> shared_;  ///< by line
-  std::set<std::string> asked_;           ///< lines with which sharing memory has been tried
+  std::set<std::string> asked_;           ///< lines to which sharing memory has been offered
 };
 
 }  // namespace

@@ -19,11 +19,11 @@
 namespace poretwin::coupling {
 namespace {
 
-// A protobuf header begins with 0x08, so that these texts cannot be mistaken for one.
+// A protobuf header begins with 0x08, so that these texts cannot be mistaken for a header.
 constexpr std::string_view table_mark = "\xffPORETWIN table", offer_mark = "\xffPORETWIN offer",
                            accept_mark = "\xffPORETWIN accept", routing_mark = "\x01PORETWIN memory";
 constexpr const char* file_name = "poretwin";
-constexpr std::size_t largest_memory = std::size_t{4} << 30;  ///< bytes, of one message
+constexpr std::size_t largest_memory = std::size_t{4} << 30;  ///< largest memory for one message [bytes]
 
 /// The first bytes of every block of shared memory.
 struct Head {
@@ -112,7 +112,7 @@ struct LentMemory::Slot {
   [[nodiscard]] bool free() const { return memory.head().lent.load(std::memory_order_acquire) == 0; }
 
  private:
-  /// Makes memory that is sealed against shrinking, so that a reader never finds it shorter than announced.
+  /// Makes memory that cannot be shrunk (sealed), so that a reader never finds it shorter than announced.
   static int make(std::size_t size) {
     const int file = ::memfd_create(file_name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (file >= 0 && (::ftruncate(file, static_cast<off_t>(size)) != 0 ||
@@ -170,7 +170,7 @@ struct BorrowedMemory::View {
 std::shared_ptr<BorrowedMemory::View> BorrowedMemory::view(const MemoryName& name) {
   if (const auto found = views_.find(name.token); found != views_.end()) return found->second;
   const std::string path = fmt::format("/proc/{}/fd/{}", name.process, name.descriptor);
-  // Only files with this name are opened: opening other kinds of file can have side effects.
+  // Only files with this name are opened, since opening files of other kinds can have side effects.
   std::array<char, 64> target{};
   const auto length = ::readlink(path.c_str(), target.data(), target.size());
   const std::string expected = fmt::format("/memfd:{} (deleted)", file_name);
@@ -183,7 +183,7 @@ std::shared_ptr<BorrowedMemory::View> BorrowedMemory::view(const MemoryName& nam
   if (const int seals = ::fcntl(file.value, F_GET_SEALS); seals < 0 || (seals & F_SEAL_SHRINK) == 0) return nullptr;
   auto seen = std::make_shared<View>(file.value, static_cast<std::size_t>(status.st_size));
   if (!seen->memory.bytes || seen->memory.head().token != name.token) return nullptr;
-  // The lender has dropped memory that it did not need any more, but not said which.
+  // The lender has dropped memory that it no longer needed, without saying which: all views are dropped.
   if (views_.size() >= 2 * LentMemory::most_slots) views_.clear();
   return views_[name.token] = std::move(seen);
 }

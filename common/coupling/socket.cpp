@@ -1,5 +1,5 @@
-// A DEALER socket behind the Transport interface. It has no thread of its own, which would add one wake-up to each
-// message; sending and receiving lock the socket while they run.
+// A DEALER socket behind the Transport interface. It has no thread of its own, since that would add one wake-up to each
+// message. The socket is locked while it sends or receives.
 #include "common/core/fault.hpp"
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
@@ -51,7 +51,7 @@ class Socket final : public Transport {
   ~Socket() override {
     while (look()) {
     }
-    if (!open_ || lost_) dealer_.set(zmq::sockopt::linger, 0);  // no connection: remaining messages are dropped
+    if (!open_ || lost_) dealer_.set(zmq::sockopt::linger, 0);  // without a connection, remaining messages are dropped
     dealer_.close();
     monitor_.close();
     ::close(wake_);
@@ -65,7 +65,7 @@ class Socket final : public Transport {
     } catch (const zmq::error_t& error) {
       throw Error(ExitCode::failure, "sending to the coupler at " + address_ + " failed: " + error.what());
     }
-    // Sending also reads pending events, and so consumes the signal for which receive() may be waiting.
+    // Sending also reads pending events, and so uses up the signal for which receive() may be waiting.
     if ((uninterrupted([&] { return dealer_.get(zmq::sockopt::events); }) & ZMQ_POLLIN) != 0) wake();
   }
 
@@ -95,11 +95,11 @@ class Socket final : public Transport {
  private:
   void wake() const {
     const std::uint64_t one = 1;
-    // The counter cannot overflow in practice; a full one would wake the reader, too.
+    // The counter does not overflow in practice; even a full counter would wake the reader.
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   }
 
-  /// The next message, if there is one; also reads the events of the connection.
+  /// The next message, if there is any; also reads the events of the connection.
   std::optional<Frames> look() {
     const std::lock_guard lock(mutex_);
     if (auto frames = next_message()) return frames;
@@ -117,7 +117,7 @@ class Socket final : public Transport {
         lost_ = true;
       }
     }
-    // The last message of the other end arrived before its closing.
+    // The last message of the other end arrived before the event of its closing.
     return something ? next_message() : std::nullopt;
   }
 

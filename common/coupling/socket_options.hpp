@@ -15,20 +15,20 @@
 
 namespace poretwin::coupling {
 
-/// Bytes; a connection that announces a larger frame is ended before memory is allocated. Enough for 40 million points
-/// with 3 components.
+/// Largest size of a frame in bytes. A connection that announces a larger frame is ended before memory is allocated.
+/// The size suffices for 40 million points with 3 components.
 inline constexpr std::int64_t largest_frame = std::int64_t{1} << 30;
 
 template <class Socket>
 void set_common_options(Socket& socket, const std::string& address) {
   socket.set(zmq::sockopt::linger, 2000);  // ms; an ABORT or BYE is still sent, but a dead peer does not delay the exit
-  socket.set(zmq::sockopt::sndhwm, 0);     // no limit: there is at most one window's exchange under way
+  socket.set(zmq::sockopt::sndhwm, 0);     // no limit: at most one window's exchange is in transit
   socket.set(zmq::sockopt::rcvhwm, 0);
   socket.set(zmq::sockopt::maxmsgsize, largest_frame);
   socket.set(zmq::sockopt::reconnect_ivl, 50);  // ms; processes may start in any order: try again soon
   socket.set(zmq::sockopt::reconnect_ivl_max, 500);
   if (address.rfind("tcp:", 0) == 0) {
-    // A cut line is detected as a disconnect after some 20 s; frozen processes are detected by missing heartbeats.
+    // A cut connection is detected as a disconnect after some 20 s; frozen processes by missing heartbeats.
     socket.set(zmq::sockopt::tcp_keepalive, 1);
     socket.set(zmq::sockopt::tcp_keepalive_idle, 10);
     socket.set(zmq::sockopt::tcp_keepalive_intvl, 3);
@@ -36,19 +36,19 @@ void set_common_options(Socket& socket, const std::string& address) {
   }
 }
 
-/// Whether bytes stay unacknowledged: a cut line or a dead host. The kernel of a living host acknowledges what it
-/// receives, whatever its processes do. Always false except for tcp.
+/// Whether sent bytes stay unacknowledged, which shows a cut connection or a dead host. The kernel of a living host
+/// acknowledges received bytes, whatever its processes do. Always false except for tcp.
 inline bool unacknowledged(int descriptor) {
   constexpr unsigned patience = 2000;  // ms since the last acknowledgement
   tcp_info info{};
   socklen_t size = sizeof info;
   if (descriptor < 0 || ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
-  // Bytes that could not even be sent: this host's own interface is down.
+  // Bytes that could not even be sent: the network interface of this host is down.
   return (info.tcpi_unacked > 0 || info.tcpi_notsent_bytes > 0) &&
          (info.tcpi_retransmits > 0 || info.tcpi_last_ack_recv > patience);
 }
 
-/// Processes of one machine may share memory, except with keys: then nothing may pass unencrypted.
+/// Processes of one machine may share memory, except if they use keys: then all data must pass encrypted.
 inline bool may_share(const std::string& address, const std::optional<CurveKeys>& keys) {
   return !keys && address.starts_with("ipc:");
 }
@@ -63,7 +63,7 @@ inline zmq::message_t lend(Frame frame) {
       const_cast<char*>(kept->data), kept->size, [](void*, void* hint) { delete static_cast<Frame*>(hint); }, kept);
 }
 
-/// Repeats a call of ZeroMQ that a signal, such as Ctrl-C, has interrupted; even calls that do not wait can be.
+/// Repeats a call of ZeroMQ that a signal, such as Ctrl-C, has interrupted. It can also interrupt non-blocking calls.
 template <class Call>
 auto uninterrupted(Call&& call) {
   for (;;) try {
@@ -87,7 +87,7 @@ inline void send_frames(zmq::socket_t& socket, Frames frames) {
   }
 }
 
-/// The frame shares the bytes of the received message.
+/// A frame that shares the bytes of the received message.
 inline Frame keep(zmq::message_t message) {
   auto kept = std::make_shared<zmq::message_t>(std::move(message));
   const char* data = static_cast<const char*>(kept->data());
@@ -134,7 +134,7 @@ inline std::optional<MonitorEvent> next_event(zmq::socket_t& monitor) {
   return MonitorEvent{kind, value};
 }
 
-/// Waits for one of the items. Returns false where the context has been closed; a signal counts as a wake-up.
+/// Waits for one of the items. Returns false if the context has been closed. A signal also ends the wait.
 template <std::size_t N>
 bool poll_all(std::array<zmq::pollitem_t, N>& items, Milliseconds timeout) {
   try {

@@ -17,7 +17,7 @@ constexpr double above_zero = std::numeric_limits<double>::min();
 constexpr double below_one = 1.0 - std::numeric_limits<double>::epsilon() / 2.0;
 constexpr Bounds share{0.0, 1.0};      // fractions
 constexpr Bounds speed{-1e6, 1e6};     // m/s
-constexpr Bounds strong{-1e15, 1e15};  // Pa; N/m3; N s per m3: the weight of water over 3000 years
+constexpr Bounds strong{-1e15, 1e15};  // Pa; N/m3; N s/m3: impulse of the weight of water in 3000 years
 constexpr Bounds not_negative{0.0, largest};
 constexpr Bounds any{-largest, largest};
 
@@ -113,14 +113,14 @@ constexpr std::array fields{
                   .bounds = strong,
                   .meaning = "div sigma' + traction + weight + the force of pressure and drag, at the window's end: 0 "
                              "at rest"},
-    // Without pores no water could be inside the soil.
+    // The upper bound is below 1: without pores no water could be inside the soil.
     StandardField{.giver = solid,
                   .name = field::solid_volume_fraction,
                   .unit = "1",
                   .bounds = {0.0, below_one},
                   .at_rest = 0.6,
                   .meaning = "n_s = 1 - porosity"},
-    // The value for soil that does not move.
+    // `at_rest` is the value for soil that does not move.
     StandardField{.giver = solid,
                   .name = field::grain_density,
                   .unit = "kg/m3",

@@ -9,15 +9,15 @@
 
 namespace poretwin::coupling {
 
-/// Range of accepted numbers. No soil and no water can have values outside it; a run that is about to diverge stays
-/// inside for a while, so that its own solver can report that.
+/// Range of accepted numbers. Soil and water cannot have values outside it. In a run that is about to diverge the
+/// values stay inside for a while, so that its own solver can report the divergence.
 struct Bounds {
   double low = 0.0, high = 0.0;
-  /// "a number in [0, 1) m/s"; unit in SI, "1" for none.
+  /// "a number in [0, 1) m/s"; unit in SI, "1" if there is no unit.
   [[nodiscard]] std::string text(std::string_view unit) const;
 };
 
-/// One field of the standard contract, given by every solver of a role.
+/// One field of the standard contract. Every solver of the role `giver` gives it.
 struct StandardField {
   Role giver = Role::fluid;
   std::string_view name, unit;  ///< SI
@@ -26,14 +26,14 @@ struct StandardField {
   std::string_view mask = {};
   Bounds bounds;
   bool of_volume = false;                      ///< bounds are per m^D of the point's volume
-  double at_rest = 0.0;                        ///< value that a stand-in for soil or water at rest gives
-  bool of_particles = true, of_field = false;  ///< which representations of the water give it (fluid only)
+  double at_rest = 0.0;                        ///< value from a stand-in for soil or water at rest
+  bool of_particles = true, of_field = false;  ///< the representations of water that give it (fluid only)
   std::string_view meaning;
 };
 
 std::span<const StandardField> standard_contract();
 
-/// The row of that name; nullptr for fields outside the standard contract.
+/// The row of that name; nullptr if the standard contract does not contain the field.
 const StandardField* standard_field(std::string_view name);
 
 /// The tables of docs/protocol.md: the fields of both roles, and their bounds (Markdown).

@@ -22,7 +22,7 @@ double cpu_seconds(int of) {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// Largest memory of the process so far [bytes]; 0 where the system does not report it.
+/// Largest memory that the process has used [bytes]; 0 where the system does not report it.
 double peak_memory() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)

@@ -1,4 +1,4 @@
-// Output of every process about itself: OUT/NAME.summary.json at the end, progress lines and log lines during the run.
+// Output of every process about itself: OUT/NAME.summary.json at its end, progress lines and log lines during the run.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -28,13 +28,13 @@ struct RunSummary {
 };
 
 /// Writes {"process","exit","reason","wall_s","cpu_s","cpu_first_thread_s","memory_bytes","seconds":{},"steps":{},
-/// "counters":{},"warnings":[{"what","count","detail","result_in_doubt"}],"files":[]}, completely or not at all. To be
-/// called by the first thread, whose CPU time it reads. memory_bytes: the largest so far. Throws FileError.
+/// "counters":{},"warnings":[{"what","count","detail","result_in_doubt"}],"files":[]}, completely or not at all. The
+/// first thread must call this, since its CPU time is read. memory_bytes: the largest so far. Throws FileError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
 
-/// A JSON string literal, quotes included.
+/// A JSON string literal, including the quotes.
 std::string json_string(const std::string& text);
-/// A JSON number; null when it is not finite.
+/// A JSON number; null if the value is not finite.
 std::string json_number(double value);
 
 /// The state of a run, for progress lines.
@@ -45,12 +45,12 @@ struct Progress {
   std::string waiting_for;
 };
 
-/// Writes JSON lines {"t","end","step","dt","waiting_for"} to a descriptor, at most 10 per second; a closed reader is
-/// ignored.
+/// Writes JSON lines {"t","end","step","dt","waiting_for"} to a descriptor, at most 10 per second. If the reader has
+/// closed the descriptor, the lines are dropped.
 class ProgressLines {
  public:
   explicit ProgressLines(int descriptor) : descriptor_(descriptor) {}
-  /// `last`: this line is written in any case.
+  /// `last`: this line is always written.
   void write(const Progress& progress, bool last = false);
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Order from top to bottom of the time line.
+/// Order of the processes on the time line, from top to bottom.
 constexpr std::array<const char*, 3> processes{"coupler", "fluid", "solid"};
 
 double microseconds(std::chrono::steady_clock::duration d) {

@@ -1,5 +1,5 @@
 // The warnings of a run: each is logged at its first occurrence, and all are counted for the summary. A gauge without
-// any reading is a warning, too.
+// any reading also causes a warning.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -17,7 +17,7 @@ class WarningLog {
  public:
   /// `say`: writes one line to the log. `gauges`: names of the case's gauges that this process reads.
   void begin(std::function<void(const std::string&)> say, std::vector<std::string> gauges);
-  /// Takes the phase's warnings at this time [s], with counts since the start.
+  /// Adds the phase's warnings at this time [s], with their counts since the start.
   void note(double time, const std::vector<Warning>& warnings);
   void note_readings(const std::vector<GaugeReading>& readings);
   /// At the run's end: warns of gauges that were never read or never had a value.
@@ -28,7 +28,7 @@ class WarningLog {
 
  private:
   struct Series {
-    double readings = 0.0, values = 0.0;  ///< all readings; those that are not NaN
+    double readings = 0.0, values = 0.0;  ///< all readings; readings that are not NaN
   };
   std::function<void(const std::string&)> say_;
   std::vector<std::string> gauges_;

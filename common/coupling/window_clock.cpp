@@ -13,14 +13,14 @@
 namespace poretwin::coupling {
 
 namespace {
-/// Times closer than this fraction of their spacing are the same time.
+/// Times whose difference is below this fraction of the interval considered count as equal.
 constexpr double same = 1e-9;
-/// Windows shorter than this fraction of the run are lost in the rounding of its time. (Years of consolidation begin
-/// with windows of a millisecond, 1e-12 of the run.)
+/// Windows shorter than this fraction of the run's length would be lost in the rounding of its time. (A consolidation
+/// over years begins with windows of a millisecond, 1e-12 of the run.)
 constexpr double collapsed = 1e-15;
-/// Windows shorter than this fraction of the shortest characteristic time represent no motion of the scene: at a speed
-/// that needs them, water would cross thousands of spacings while it falls through one. An impact causes fewer than a
-/// thousand of them in a row.
+/// In windows shorter than this fraction of the shortest characteristic time of the scene nothing real moves: water
+/// fast enough to need them would cross thousands of spacings while it falls through one. An impact causes fewer than a
+/// thousand such windows in a row.
 constexpr double far_below = 1e-4;
 constexpr std::uint64_t most_stuck = 1000;
 }  // namespace

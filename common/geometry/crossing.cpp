@@ -9,7 +9,7 @@
 namespace poretwin {
 namespace {
 
-/// On which side of the line from a to b does x lie: -1, 0 (on it, to within rounding), 1?
+/// On which side of the line from a to b x lies: -1, 0 (on the line, to within rounding), or 1.
 int side(const Point3& a, const Point3& b, const Point3& x) {
   const double area = cross(b - a, x - a);
   const double slack = 1e-12 * ((b - a).norm() * (x - a).norm() + 1e-3 * (b - a).squaredNorm());
@@ -44,7 +44,7 @@ std::optional<Crossing> self_crossing(const std::vector<Point3>& points, bool cl
         note(i, j, a + cross(c - a, d - c) / cross(b - a, d - c) * (b - a));
         continue;
       }
-      // The line goes through a piece at one of its points: what comes before and after lies on different sides.
+      // Whether the line goes through a piece at this corner: the points before and after lie on different sides.
       const auto goes_through = [&](std::size_t piece, std::size_t corner, const Point3& from, const Point3& to) {
         if (side(from, to, points[corner]) != 0) return false;
         const double along = (to - from).dot(points[corner] - from) / (to - from).squaredNorm();

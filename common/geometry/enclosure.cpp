@@ -14,15 +14,15 @@
 namespace poretwin {
 namespace {
 
-/// A straight piece of a wall or of a water face, which the flood does not pass. Without `plane` it leads from a to b
-/// (2D).
+/// A straight piece of a wall or of a water face, through which the flood cannot pass. If it is not a `plane`, it
+/// extends from a to b (2D).
 struct Barrier {
   std::string name;
-  Point3 a, b;  ///< ends; of a plane: a point of it and its normal
+  Point3 a, b;  ///< its two ends; of a plane: a point on it, and its normal
   bool plane = false;
 };
 
-/// Do the barrier and the step from x to y cross?
+/// Whether the step from x to y crosses the barrier.
 bool crossed(const Barrier& barrier, const Point3& x, const Point3& y) {
   if (barrier.plane) return (barrier.b.dot(x - barrier.a) > 0.0) != (barrier.b.dot(y - barrier.a) > 0.0);
   const Point3 r = y - x, s = barrier.b - barrier.a, d = barrier.a - x;
@@ -33,8 +33,8 @@ bool crossed(const Barrier& barrier, const Point3& x, const Point3& y) {
   return t >= 0.0 && t <= 1.0 && u >= -slack && u <= 1.0 + slack;
 }
 
-/// Looks for a gap through which water could leave the scene: a flood fill over grid cells, from every source of water
-/// downwards, sideways, and upwards to the highest level of any source. Walls and water faces stop it.
+/// Looks for a gap through which water could leave the scene, by a flood fill over grid cells: from every source of
+/// water down, sideways, and up to the highest level of any source, as far as walls and water faces.
 class Flood {
  public:
   explicit Flood(const Case& scene) : scene_(scene), dimension_(scene.general.dimension) {
@@ -113,7 +113,7 @@ class Flood {
       if (face.pressure)
         for (const auto& [time, value] : face.pressure->knots)
           highest = std::max(highest, value / (scene_.water.density * scene_.general.gravity.norm()));
-      // Water that comes in through an inlet may stand a little higher than the inlet's upper end.
+      // Water that comes in through an inlet may stand a little above the inlet's upper end.
       const double above = is_inlet(scene_, face) ? 2.0 * spacing : 0.0;
       if (face.discharge)
         for (const auto& x : face.face.points) level_ = std::max(level_, up_.dot(x) + above);
@@ -153,7 +153,7 @@ class Flood {
     for (int d = 0; d < dimension_; ++d) volume *= (upper_[d] - lower_[d]) / size_ + 6.0;
     if (volume > most) size_ *= std::pow(volume / most, 1.0 / dimension_);
     for (int d = 0; d < dimension_; ++d) {
-      // Walls often lie at round coordinates: this margin keeps cell centres off them.
+      // Walls often lie at round coordinates: this margin keeps the centres of cells away from them.
       const double margin = periodic(d) ? 0.0 : 3.37 * size_;
       origin_[d] = lower_[d] - margin + 0.5 * size_;
       count_[static_cast<std::size_t>(d)] =
@@ -211,7 +211,7 @@ class Flood {
           }
           Point3 y = x;
           y[d] += step * size_;
-          if (up_.dot(y) > level_ - 2.0 * size_) continue;  // over the rim of a basin that is full, not through it
+          if (up_.dot(y) > level_ - 2.0 * size_) continue;  // a full basin may overflow: water above its rim is no leak
           const std::size_t next = step > 0 ? cell + stride[axis] : cell - stride[axis];
           if (from[next] != unseen || blocked(x, y) || taken(y)) continue;
           if (meets_body(x, y) && in_body(y)) {
@@ -225,7 +225,7 @@ class Flood {
     return std::nullopt;
   }
 
-  /// Whether a plane stops water that leaves the grid from x in this direction. A plane may stand far outside the grid.
+  /// Whether a plane, possibly far outside the grid, stops water that leaves the grid from x in this direction.
   [[nodiscard]] bool held_beyond(const Point3& x, const Point3& direction) const {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) {
       const double towards = b.b.dot(direction);
@@ -233,14 +233,14 @@ class Flood {
     });
   }
 
-  /// Is x in the body of a wall with a shape?
+  /// Whether x lies in the body of a wall with a shape.
   [[nodiscard]] bool in_body(const Point3& x) const {
     return std::any_of(bodies_.begin(), bodies_.end(), [&](const Wall* wall) {
       return contains(*wall->shape, x, 3) != (wall->domain == Wall::Domain::inside);
     });
   }
 
-  /// Does the step from x to y cross a surface of such a wall?
+  /// Whether the step from x to y crosses a surface of a wall with a shape.
   [[nodiscard]] bool meets_body(const Point3& x, const Point3& y) const {
     return std::any_of(bodies_.begin(), bodies_.end(), [&](const Wall* wall) {
       const auto& parts = wall->shape->solid->parts();
@@ -249,8 +249,8 @@ class Flood {
     });
   }
 
-  /// Has water at x left the domain through an outlet or a reservoir's face? Not where x lies below the lower end of
-  /// the face: water can get there only through a gap, which is a leak.
+  /// Whether water at x has left the domain through an outlet or the face of a reservoir. False where x lies below the
+  /// lower end of the face, where water arrives only through a gap, which is a leak.
   [[nodiscard]] bool taken(const Point3& x) const {
     return std::any_of(takers_.begin(), takers_.end(), [&](const WaterFace* face) {
       const auto& points = face->face.points;
@@ -262,7 +262,7 @@ class Flood {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) { return crossed(b, x, y); });
   }
 
-  /// The leak that ends in this cell: a place on the water's path, and the free ends of boundaries nearest to the path.
+  /// The leak that ends in this cell: a place on the water's path, and the free ends of boundaries nearest to it.
   [[nodiscard]] Leak told(std::size_t cell, const std::vector<std::size_t>& from) const {
     std::vector<Point3> way{centre(cell)};
     for (; from[cell] != cell; cell = from[cell]) way.push_back(centre(from[cell]));
@@ -307,7 +307,7 @@ class Flood {
     return leak;
   }
 
-  /// Is there soil or water on both sides of the line somewhere?
+  /// Whether soil or water lies on both sides of the line somewhere.
   [[nodiscard]] bool through_ground(const Point3& a, const Point3& b) const {
     const auto ground = [&](const Point3& x) {
       return std::any_of(scene_.soils.begin(), scene_.soils.end(),
@@ -330,7 +330,7 @@ class Flood {
   Point3 lower_ = Point3::Constant(HUGE_VAL), upper_ = Point3::Constant(-HUGE_VAL), origin_ = Point3::Zero();
   std::vector<Barrier> barriers_;
   std::vector<Point3> springs_;
-  std::vector<const WaterFace*> takers_;  ///< what stands behind them takes water
+  std::vector<const WaterFace*> takers_;  ///< outlets and reservoirs' faces, which take water
   std::vector<const Wall*> bodies_;       ///< walls with a shape
   std::size_t walls_ = 0;
   double level_ = -HUGE_VAL, size_ = 0.0;

@@ -1,18 +1,18 @@
-// Is the case's water enclosed? Walls and water faces must close around it, or it runs out.
+// Checks whether the case's water is enclosed. Walls and water faces must close around it; otherwise it runs out.
 #pragma once
 
 #include "common/case/case.hpp"
 
 namespace poretwin {
 
-/// A way out for the water.
+/// A gap through which water leaves.
 struct Leak {
-  Point3 at;                                         ///< m, on the way out, at the gap
-  std::vector<std::pair<std::string, Point3>> ends;  ///< the boundary's free ends beside the gap: which, where [m]
+  Point3 at;                                         ///< m, at the gap
+  std::vector<std::pair<std::string, Point3>> ends;  ///< free ends of the boundary beside the gap: name, place [m]
 };
 
-/// Where water could run out, at or below the highest level it starts from; nothing where walls, faces and periodic
-/// sides enclose it, where there is no gravity, or where no wall is meant to enclose water.
+/// A place where water could run out, at or below its highest initial level. Empty if walls, faces and periodic sides
+/// enclose the water, if there is no gravity, or if no wall is intended to enclose water.
 std::optional<Leak> find_leak(const Case& scene);
 
 }  // namespace poretwin

@@ -1,4 +1,4 @@
-// Corners and sides of shapes, how far they reach along any direction.
+// Corners and sides of shapes, and their extent along any direction.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -13,7 +13,7 @@
 
 namespace poretwin {
 
-/// Corners of a polygon, in its order, or of a box (2D: counter-clockwise); none of a ball. Not of solids.
+/// Corners of a polygon, in its order, or of a box (2D: counter-clockwise). A ball has no corners. Not for solids.
 inline std::vector<Point3> corners_of(const Shape& shape, int dimension) {
   if (shape.kind != Shape::Kind::box) return shape.points;
   const auto &a = shape.min, &b = shape.max;
@@ -38,12 +38,12 @@ inline std::pair<double, double> extent(const Shape& shape, const Point3& direct
   return {lowest, highest};
 }
 
-/// The two sides from the first corner of a polygon that is a rectangle at an angle to the axes.
+/// The two sides from the first corner of a polygon, if the polygon is a rectangle at an angle to the axes.
 inline std::optional<std::array<Point3, 2>> turned_rectangle(const Shape& shape) {
   if (shape.kind != Shape::Kind::polygon || shape.points.size() != 4) return std::nullopt;
   const auto& p = shape.points;
   const Point3 u = p[1] - p[0], v = p[3] - p[0];
-  // Points are given with a few digits, and far from the origin lose some.
+  // Points are given with a few digits, and lose some of them far from the origin.
   const double size = u.norm() + v.norm(), close = 1e-5 * size + 1e-14 * p[0].norm();
   const bool rectangle = std::abs(u.dot(v)) < close * size && (p[2] - p[1] - v).norm() < close;
   const bool along_axes = std::min(std::abs(u.x()), std::abs(u.y())) < close;

@@ -1,4 +1,4 @@
-// A flat section through space, through which flows are counted (3D).
+// A flat section through space, through which flows are summed (3D).
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -22,16 +22,16 @@ class FlatSection {
   }
   [[nodiscard]] const Point3& normal() const { return normal_; }
   [[nodiscard]] double area() const { return area_; }  ///< m2
-  /// Largest distance of a corner from the plane of the first one [m].
+  /// Largest distance of a corner from the plane through the first corner [m].
   [[nodiscard]] double unevenness() const {
     double most = 0.0;
     for (const Point3& x : corners_) most = std::max(most, std::abs(normal_.dot(x - corners_[0])));
     return most;
   }
 
-  /// 1 if the straight way from a to b leads through the section along its normal, -1 if against it, 0 if it misses it.
-  /// Points on the plane count as before it, and places on the rim as inside on one side only, so that sections side by
-  /// side count each way once.
+  /// 1 if the straight line from a to b leads through the section along its normal, -1 if against it, 0 if it misses
+  /// the section. Points on the plane count as in front of it, and places on the rim as inside on one side only, so
+  /// that adjacent sections count each line once.
   [[nodiscard]] double crossed(const Point3& a, const Point3& b) const {
     const double p = normal_.dot(a - corners_[0]), q = normal_.dot(b - corners_[0]);
     if ((p > 0.0) == (q > 0.0) || !contains(a + p / (p - q) * (b - a))) return 0.0;
@@ -39,9 +39,9 @@ class FlatSection {
   }
 
  private:
-  /// Whether a ray in the plane from x leaves the polygon an odd number of times.
+  /// Whether a ray in the plane from x crosses the polygon's sides an odd number of times.
   [[nodiscard]] bool contains(const Point3& x) const {
-    // The plane is seen along the axis to which it is most perpendicular.
+    // The plane is projected along the axis to which it is most perpendicular.
     Eigen::Index axis = 0;
     normal_.cwiseAbs().maxCoeff(&axis);
     const Eigen::Index u = (axis + 1) % 3, v = (axis + 2) % 3;

@@ -16,13 +16,13 @@ struct LoadedPart {
   [[nodiscard]] double area() const {                  ///< m2
     return std::max(0.0, high[axes[0]] - low[axes[0]]) * std::max(0.0, high[axes[1]] - low[axes[1]]);
   }
-  /// Whether a place lies over or under the rectangle.
+  /// Whether a place lies above or below the rectangle.
   [[nodiscard]] bool covers(const Point3& x) const {
     return std::all_of(axes.begin(), axes.end(), [&](int d) { return x[d] >= low[d] && x[d] <= high[d]; });
   }
 };
 
-/// The part of a load's plane, which is normal to an axis, in its box and within the bounds of all soil.
+/// The part of a load's plane that lies in its box and within the bounds of all soil. The plane is normal to an axis.
 inline LoadedPart loaded_part(const Case& scene, const Face& face) {
   LoadedPart part;
   face.normal.cwiseAbs().maxCoeff(&part.across);

@@ -21,12 +21,12 @@ constexpr std::size_t most_facets = 20'000'000;
   throw CaseError(fmt::format("{}: expected {}, found '{}'", where, expected, found.substr(0, 40)));
 }
 
-/// Words of a text, line by line.
+/// The words of a text, read line by line.
 class Words {
  public:
   explicit Words(std::string_view text) : rest_(text) {}
 
-  /// The words of the next line that has any; nothing at the end of the text.
+  /// Reads the next line that has words; returns false at the end of the text.
   bool next_line() {
     words_.clear();
     while (words_.empty() && !rest_.empty()) {
@@ -174,7 +174,7 @@ Triangles parse_obj(std::string_view text) {
   return mesh;
 }
 
-/// A property of an element of a PLY file; `count`: of a list, the type of its length.
+/// A property of an element of a PLY file. `count`: for a list, the type of its length.
 struct PlyProperty {
   std::string name, type, count;
 };
@@ -332,7 +332,7 @@ Heights parse_xyz(std::string_view text) {
     std::vector<double> values;
     for (const auto& p : points) values.push_back(p[d]);
     std::sort(values.begin(), values.end());
-    // Coordinates are written with a few digits.
+    // Files contain coordinates with few digits: values within this slack count as equal.
     const double slack = values.empty() ? 0.0 : 1e-6 * (values.back() - values.front());
     std::vector<double> result;
     for (const double v : values)

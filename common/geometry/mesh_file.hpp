@@ -8,12 +8,12 @@
 
 namespace poretwin {
 
-/// The surface in a file's text; the format follows from the file's ending and, of STL and PLY, its beginning. Polygons
-/// are cut into triangles. Throws CaseError with what was expected and found, and in which line or facet.
+/// The surface in a file's text. The format follows from the file's ending and, for STL and PLY, from its beginning.
+/// Polygons are divided into triangles. Throws CaseError with what was expected and found, and in which line or facet.
 Triangles parse_mesh(std::string_view text, std::string_view ending);
 
-/// The body below a terrain, down to an elevation [m]. Heights are those of the grid's points, or cells' centres, with
-/// two triangles between four of them. Throws as parse_mesh does.
+/// The body below a terrain, down to an elevation [m]. Heights are those of the grid's points, or of the cells'
+/// centres, with two triangles between four of them. Throws the same errors as parse_mesh.
 Triangles parse_terrain(std::string_view text, std::string_view ending, double bottom);
 
 }  // namespace poretwin

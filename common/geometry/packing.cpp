@@ -14,8 +14,8 @@ namespace {
 
 // Chosen in a study of a turned box, a cylinder, a ball and the outside of a cube (docs/theory/shaped_walls.md).
 // Lengths are in spacings.
-constexpr double smoothing = 1.3;   ///< of the kernel
-constexpr double evening = 0.25;    ///< step along the gradient of concentration
+constexpr double smoothing = 1.3;   ///< smoothing length of the kernel
+constexpr double evening = 0.25;    ///< factor of the step along the gradient of concentration
 constexpr double nearest = 0.9;     ///< pairs closer than this repel each other
 constexpr double repulsion = 0.75;  ///< strength of this repulsion
 constexpr double wall_push = 0.3;   ///< fraction by which a depth below half a spacing is corrected in one step
@@ -43,9 +43,9 @@ Lattice<3> deepest_in(const Solid& solid, double spacing, const Point3& offset) 
                l = static_cast<double>(k / (static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny)));
     return Point3(lower + (Point3(i, j, l) + offset).cwiseProduct(step));
   };
-  // Depths are rounded to millionths of a spacing, so that rounding errors decide nothing. Which of several equally
-  // deep points are left out follows from a hash of their number, which scatters them: side by side they would leave a
-  // dent.
+  // Depths are rounded to millionths of a spacing, so that rounding errors decide nothing. A hash of their number
+  // decides which of several equally deep points are left out. It scatters them; omitted side by side, they would leave
+  // a dent.
   struct Place {
     long above;
     std::size_t scattered, cell;
@@ -77,7 +77,7 @@ void pack(const Solid& solid, double spacing, Lattice<3>& lattice) {
   const std::size_t n = x.size();
   VecArray<3> all, way(n);
   std::vector<char> at_wall(n);
-  // The least deep points of the lattice may lie outside.
+  // The points nearest to the surface may lie outside the body: they are moved in.
   parallel_for(n, [&](std::size_t a) {
     // In a corner the point is moved away from one face after the other.
     constexpr int most_faces = 8;

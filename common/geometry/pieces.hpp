@@ -1,4 +1,4 @@
-// The straight pieces of walls and faces (2D), their sides, and what stands across from them.
+// The straight pieces of walls and faces (2D), their sides, and what lies opposite to them.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,13 +10,13 @@
 
 namespace poretwin {
 
-/// Twice the area that two vectors span in the plane, positive where v lies to the left of u.
+/// Twice the area of the triangle that two vectors span in the plane; positive if v lies to the left of u.
 inline double cross(const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); }
 
 struct Piece {
   Point3 a, b;
   [[nodiscard]] double length() const { return (b - a).norm(); }
-  /// Unit, to the left of the walk from a to b: into the domain.
+  /// Unit vector to the left of the direction from a to b: into the domain.
   [[nodiscard]] Point3 left() const { return Point3(a.y() - b.y(), b.x() - a.x(), 0.0).normalized(); }
 };
 
@@ -26,7 +26,7 @@ inline std::vector<Piece> pieces_of(const Face& face) {
   return result;
 }
 
-/// Places on the piece about a spacing apart, at least one.
+/// At least one place on the piece, in steps of about a spacing.
 inline std::vector<Point3> places_along(const Piece& piece, double spacing) {
   const int parts = static_cast<int>(std::clamp(piece.length() / spacing, 1.0, 2000.0));
   std::vector<Point3> result;
@@ -40,7 +40,7 @@ inline double distance_from(const Piece& piece, const Point3& x) {
   return (piece.a + std::clamp(s.dot(x - piece.a) / s.squaredNorm(), 0.0, 1.0) * s - x).norm();
 }
 
-/// How far from x [m] along a direction (unit) the piece is met, if it is.
+/// Distance from x [m] along a direction (unit) to the piece; empty if the direction does not lead to it.
 inline std::optional<double> distance_to(const Piece& piece, const Point3& x, const Point3& direction) {
   const Point3 s = piece.b - piece.a, d = piece.a - x;
   const double area = cross(direction, s);

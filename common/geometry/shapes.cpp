@@ -21,7 +21,7 @@ bool contains(const Shape& shape, const Point3& x, int dimension) {
     return true;
   }
   if (shape.kind == Shape::Kind::ball) return (x - shape.centre).head(dimension).norm() <= shape.radius;
-  // Crossing number (Shimrat 1962).
+  // The point is inside where a ray crosses the edges an odd number of times (Shimrat 1962).
   bool inside = false;
   const auto& p = shape.points;
   for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++)
@@ -57,7 +57,7 @@ Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension) {
 
 namespace {
 
-/// Does x lie on an edge of a polygon, to within rounding?
+/// Whether x lies on an edge of a polygon, to within rounding.
 bool on_edge(const Shape& shape, const Point3& x, double slack) {
   if (shape.kind != Shape::Kind::polygon) return false;
   const auto& p = shape.points;
@@ -73,8 +73,8 @@ bool on_edge(const Shape& shape, const Point3& x, double slack) {
 
 namespace {
 
-/// Fills a rectangle with rows along its sides, as in a box. Rows at an angle to a wall would have particles at any
-/// distance from it, and the stress within five rows of the wall would be off by up to a third of that at the base.
+/// Fills a rectangle with rows along its sides, as in a box. If rows met a wall at an angle, particles would be at any
+/// distance from it, and stresses within five rows of it would be wrong by up to a third of the stress at the base.
 Lattice<2> fill_turned(const Point3& corner, const std::array<Point3, 2>& sides, double spacing, const Point3& offset,
                        double jitter, unsigned seed) {
   Lattice<2> lattice;
@@ -100,7 +100,7 @@ Lattice<2> fill_turned(const Point3& corner, const std::array<Point3, 2>& sides,
   return lattice;
 }
 
-/// The box as the case draws it, before it is scaled, turned and moved, if the shape is a box that is placed (3D).
+/// The box as the case draws it, before it is scaled, turned and moved; empty unless the shape is a placed box (3D).
 std::optional<Shape> turned_box(const Shape& shape) {
   if (!shape.solid || shape.kind != Shape::Kind::box || shape.solid->parts().size() > 1) return std::nullopt;
   Shape drawn;
@@ -194,7 +194,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
   if (points.size() < 2 || g == 0.0) return std::nullopt;
   const Point3 up = -scene.general.gravity / g;
   const Point3 &a = points.front(), &b = points.back();
-  // A level face has a crest unless something stands at both of its ends.
+  // A level face has a crest unless walls or faces stand at both of its ends.
   const double slack = 1e-6 * (b - a).norm();
   const bool first = up.dot(a) > up.dot(b);
   const Point3& top = first ? a : b;
@@ -205,7 +205,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
       const Point3 s = other.points[i + 1] - other.points[i];
       const double along = std::clamp(s.dot(end - other.points[i]) / s.squaredNorm(), 0.0, 1.0);
       if ((other.points[i] + along * s - end).norm() >= slack) continue;
-      // A floor that continues from there and is no higher does not keep water back.
+      // A floor that continues from that end and is no higher does not keep water back.
       const bool floor = up.dot(Point3(-s.y(), s.x(), 0.0)) > slack &&
                          std::max(up.dot(other.points[i]), up.dot(other.points[i + 1])) < up.dot(end) + slack;
       if (!floor) return true;
@@ -237,7 +237,7 @@ bool is_behind(const Case& scene, const WaterFace& face, const Point3& x) {
     const Point3 s = points[i + 1] - points[i], left = Point3(-s.y(), s.x(), 0.0).normalized();
     const Point3 foot = points[i] + std::clamp(s.dot(x - points[i]) / s.squaredNorm(), 0.0, 1.0) * s;
     const double distance = (x - foot).norm();
-    // At a corner both pieces are equally near.
+    // At a corner both pieces are equally near: the sum of their normals is taken.
     if (distance < least * (1.0 - 1e-9))
       normal = left;
     else if (distance <= least * (1.0 + 1e-9))
@@ -262,7 +262,7 @@ template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin) {
   std::vector<sph::ImagePlane<D>> planes;
   if (face.points.empty()) {
-    if (face.normal.isZero()) return planes;  // a wall with a shape
+    if (face.normal.isZero()) return planes;  // a wall with a shape has no planes
     sph::ImagePlane<D> plane;
     plane.point = face.point.head<D>();
     plane.normal = face.normal.head<D>().normalized();
@@ -288,10 +288,10 @@ std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double
 
 template <int D>
 void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
-  // Behind a corner of 120 degrees and more, images fill the space exactly once if they are divided at the bisector;
-  // behind one of 90 degrees they do with images of images. In between the smaller error is chosen.
+  // Behind corners of 120 degrees or more, images fill the space exactly once if the bisector divides them. Behind a
+  // corner of 90 degrees images of images are needed. In between, the way with the smaller error is taken.
   constexpr double narrow = 0.26;  // cosine of the turn at 105 degrees
-  // Pieces are walked with the domain on the left: the next one begins where this one ends.
+  // Pieces are walked with the domain on the left: the next piece begins where this one ends.
   std::vector<std::array<Vec<D>, 2>> corners;
   for (const auto& plane : planes)
     corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
@@ -311,7 +311,7 @@ void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
         if (towards > 0.01 && outward.dot(onward) < narrow) continue;
         if (towards <= 0.01) longer[e] = 0.0;
         const Vec<D> bisector = (outward + onward).normalized();
-        // On the bisector itself the image is the earlier piece's.
+        // Points on the bisector itself are images of the earlier piece.
         plane.ends[e] = {corners[i][e] + (e == 1 ? 1e-9 : -1e-9) * margin * bisector, bisector};
       }
     }

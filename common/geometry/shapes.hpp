@@ -1,4 +1,4 @@
-// From the case's shapes and faces to particles and image planes.
+// Makes particles and image planes from the case's shapes and faces.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,25 +10,25 @@
 
 namespace poretwin {
 
-/// Is x [m] inside the shape (borders included)? Boxes in 2D ignore z.
+/// Whether x [m] is inside the shape (borders included). Boxes in 2D ignore z.
 bool contains(const Shape& shape, const Point3& x, int dimension);
 
 /// Smallest box around the shape.
 std::pair<Point3, Point3> bounds(const Shape& shape);
 
-/// Velocity at x of the lowest sloshing mode of a liquid that fills the shape's box, along the x axis, over the
-/// velocity at the ends of its surface.
+/// Velocity at x of the lowest sloshing mode, along the x axis, of a liquid that fills the shape's box. It is relative
+/// to the velocity at the ends of the liquid's surface.
 Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension);
 
-/// Is the face an opening that no soil touches (2D), through which particles of water come and go? Otherwise the water
-/// behind it stands still and needs no particles.
+/// Whether the face is an opening that no soil touches (2D), through which particles of water enter and leave.
+/// Otherwise the water behind it is still and needs no particles.
 bool is_inlet(const Case& scene, const WaterFace& face);
 
-/// Does still water that no particles represent stand behind the face, up to the level that a head prescribes or that
-/// follows from a basin's balance?
+/// Whether still water that no particles represent lies behind the face, up to the level that a head prescribes or that
+/// follows from a basin's balance.
 bool is_reservoir(const Case& scene, const WaterFace& face);
 
-/// The upper end of a face that no wall or other face touches: water behind the face that stands higher runs over it.
+/// The upper end of a face, if no wall or other face touches it. Water behind the face that is higher runs over it.
 struct Crest {
   Point3 end = Point3::Zero();     ///< m
   double elevation = 0.0;          ///< m
@@ -36,11 +36,11 @@ struct Crest {
 };
 std::optional<Crest> crest_of(const Case& scene, const WaterFace& face);
 
-/// Does x [m] lie on the side of a face where its reservoir is? Above the crest, the vertical line through it divides
-/// the sides.
+/// Whether x [m] lies on the side of a face on which its reservoir is. Above the crest, the vertical line through the
+/// crest divides the sides.
 bool is_behind(const Case& scene, const WaterFace& face, const Point3& x);
 
-/// The reason why water behind a face cannot run over its crest, as particles from there on; empty where it can.
+/// The reason why water behind a face cannot run over its crest and become particles there; empty if it can.
 std::string no_way_over(const Case& scene, const Crest& crest);
 
 /// Particles on a lattice that fills a shape.
@@ -50,34 +50,34 @@ struct Lattice {
   double volume = 0.0;   ///< m^D, of each particle
 };
 
-/// Fills a shape; the spacing is stretched a little where the shape's bounding box is not a whole number of spacings.
+/// Fills a shape. The spacing is stretched a little if the shape's bounding box is not a whole number of spacings.
 /// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter
-/// spacings. Points on an edge of a polygon count as outside, since rounding would decide otherwise; but a point that
-/// also lies on an edge of a shape that is filled after this one (`later`) counts as inside.
+/// spacings. Points on an edge of a polygon count as outside, since otherwise rounding would decide; but a point that
+/// also lies on an edge of a shape that is filled later (`later`) counts as inside.
 template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                 std::span<const Shape> later = {});
 
-/// Whether lay() moves the particles of a shape (3D): true but for balls, and for boxes, turned or not.
+/// Whether lay() moves the particles of a shape (3D): true except for balls and for boxes at any angle.
 bool is_packed(const Shape& shape);
 
-/// Fills a shape for a run: in bodies with slanted or curved faces (3D) the particles are also moved until they lie
-/// evenly.
+/// Fills a shape for a run. In bodies with slanted or curved faces (3D) the particles are then moved until they are
+/// evenly spaced.
 template <int D>
 Lattice<D> lay(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                std::span<const Shape> later = {});
 
-/// The straight pieces of a face as mirror planes, extended by `margin` [m] beyond their ends so that corners close.
+/// The straight pieces of a face as mirror planes. They are extended by `margin` [m] so that corners close.
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
 
 /// Extends pieces of walls (made without a margin) by `margin` [m] beyond their ends so that corners close. Images are
-/// divided at the bisector where the next piece continues straight, turns away from the domain, or turns towards it by
+/// divided at the bisector if the next piece continues straight, turns away from the domain, or turns towards it by
 /// less than 75 degrees.
 template <int D>
 void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin);
 
-/// The two shifting planes of every periodic axis of the case.
+/// The two planes of every periodic axis of the case, which shift images.
 template <int D>
 std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boundary);
 

@@ -11,8 +11,8 @@
 namespace poretwin {
 namespace {
 
-/// Distance from a facet at which soil or its absence is looked for. In spacings. Larger than rounding and than the
-/// gaps between shapes drawn with rounded coordinates, smaller than the departure of facets from curved surfaces.
+/// Distance from a facet, in spacings, at which the code looks for soil. It is larger than rounding errors and gaps
+/// between shapes drawn with rounded coordinates, and smaller than the distance of facets from curved surfaces.
 constexpr double beside = 1e-3;
 
 }  // namespace
@@ -45,7 +45,7 @@ bool SoilSurface::is_border(const Point3& x, const Point3& outwards) const {
 }
 
 bool SoilSurface::is_open(const Point3& x, const Point3& outwards) const {
-  constexpr double before = 0.25;  // spacings, more than curved surfaces depart from their tangent plane in a cell
+  constexpr double before = 0.25;  // spacings; within a cell curved surfaces depart less from their tangent plane
   return !in_soil(x + before * spacing_ * outwards) || is_border(x, outwards);
 }
 
@@ -57,7 +57,7 @@ std::vector<SoilSurface::Place> SoilSurface::places(double apart) const {
     const Point3 a = triangles.points[i], u = triangles.points[j] - a, v = triangles.points[k] - a;
     const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
     const int parts = std::max(1, static_cast<int>(std::ceil(longest / apart)));
-    // Centres of the small triangles into which lines parallel to the sides divide the facet.
+    // Lines parallel to its sides divide the facet into small triangles, whose centres are the places.
     for (int p = 0; p < parts; ++p)
       for (int q = 0; p + q < parts; ++q)
         for (const double third : {1.0 / 3.0, 2.0 / 3.0}) {

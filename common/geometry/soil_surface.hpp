@@ -1,4 +1,4 @@
-// The surface of soil in 3D: facets of all soils, and which places of them are the border of the soil as a whole.
+// The surface of soil in 3D: facets of all soils, and the parts of them that are the border of the soil as a whole.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -11,13 +11,13 @@ namespace poretwin {
 
 class SoilSurface {
  public:
-  /// spacing [m]: of the points in the soil; facets of curved surfaces depart from them by a hundredth of it.
+  /// spacing [m]: of the points in the soil; facets of curved surfaces depart from the surfaces by a hundredth of it.
   SoilSurface(const Case& scene, double spacing);
 
-  /// Facets of all soils; they may cross and coincide where soils touch.
+  /// Facets of all soils. They may cross and coincide where soils touch.
   [[nodiscard]] const TriangleMesh& facets() const { return *mesh_; }
-  /// Whether soil ends at a place of the surface [m] with this outward normal (unit): soil lies on its inner side, and
-  /// none on its outer side.
+  /// Whether the soil ends at a place of the surface [m] with this outward normal (unit): soil lies on the inner side
+  /// of the place, but not on the outer side.
   [[nodiscard]] bool is_border(const Point3& x, const Point3& outwards) const;
 
   /// Whether no soil lies on the outer side of a place near the surface [m], up to a quarter of a spacing from it.
@@ -37,12 +37,12 @@ class SoilSurface {
   std::optional<TriangleMesh> mesh_;
 };
 
-/// Whether a face is given at a place of the soil's border (3D): on its plane, if it has one, with its normal against
-/// `outwards`, and within its shape, if it has one. slack [m]: distance up to which a place counts as lying there.
+/// Whether a face covers a place of the soil's border (3D): the place is on the face's plane, if it has one, with the
+/// plane's normal against `outwards`, and within its shape, if it has one. slack [m]: tolerance of these distances.
 bool lies_along(const Face& face, const SoilSurface::Place& place, double slack);
 
-/// The place at which a face ends above one of its places: the highest place of the soil's border along the face that
-/// is reached from there within a distance [m] along the steepest way up its facet.
+/// The upper end of a face above the place `from`: the highest place of the soil's border along the face within a
+/// distance [m] of `from`, along the steepest way up the facet of `from`.
 Point3 upper_end(const SoilSurface& surface, const Face& face, const SoilSurface::Place& from, const Point3& up,
                  double distance, double slack);
 

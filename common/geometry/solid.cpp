@@ -18,10 +18,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// How far a facet may depart from the curved surface that it stands for, in spacings. Test: Solids.*.
+/// Largest distance of a facet from the curved surface that it stands for, in spacings. Test: Solids.*.
 constexpr double sag = 1e-2;
 
-/// Sides of a regular polygon that stands for a circle.
+/// Number of sides of a regular polygon that stands for a circle.
 Index sides_for(double radius, double spacing) {
   return static_cast<Index>(std::clamp(std::ceil(pi / std::sqrt(2.0 * sag * spacing / radius)), 24.0, 2048.0));
 }
@@ -47,7 +47,7 @@ Triangles ball(const Point3& centre, double radius, double spacing) {
       mesh.points.emplace_back(t, 0.0, s);
     }
   for (auto& x : mesh.points) x.normalize();
-  // All triples of neighbours, outward.
+  // All triples of neighbouring corners, ordered so that normals point outwards.
   const double edge = 1.1 * (mesh.points[0] - mesh.points[6]).norm();
   const auto near = [&](Index i, Index j) { return (mesh.points[i] - mesh.points[j]).norm() < edge; };
   for (Index i = 0; i < 12; ++i)
@@ -143,8 +143,8 @@ Triangles extrusion(const Shape& s) {
   return mesh;
 }
 
-/// A section turned about an axis: points are its distance from the axis and the place along it. Circles become
-/// polygons of the same area, so that the volume is right.
+/// A section revolved about an axis. Coordinates of its points: distance from the axis, and place along the axis.
+/// Circles become polygons of the same area, so that the volume is right.
 Triangles revolution(const std::vector<Point3>& points, const Point3& foot, const Point3& axis, double spacing) {
   const auto section = counter_clockwise(points);
   double widest = 0.0;
@@ -221,8 +221,8 @@ Solid::Solid(std::vector<Part> parts, double resolution) : parts_(std::move(part
   }
   volume_ = parts_[0].mesh.volume();
   if (parts_.size() == 1) return;
-  // The volume is summed over cubes. Those that the body's surface crosses are divided into eight, and of each of these
-  // a fraction counts, as if the surface were a plane at its distance from the centre.
+  // The volume is summed over cubes. Cubes that the body's surface crosses are divided into eight. A fraction of each
+  // of these counts, as if the surface were a plane at the distance that it has from the cube's centre.
   constexpr double most_cells = 5e4;
   const Point3 size = bounds_.second - bounds_.first;
   const double cell = std::max(resolution_, std::cbrt(size.prod() / most_cells));
@@ -258,8 +258,8 @@ double Solid::depth(const Point3& x, double range) const {
 }
 
 std::pair<double, double> Solid::extent(const Point3& direction) const {
-  // Where there are several parts, only corners of facets that lie on the body count. Where surfaces of two parts cut
-  // each other, the result may be a little too small.
+  // Where the solid has several parts, only corners of facets on the body itself count. The corners at which the
+  // surfaces of two parts cut each other are not among them, so that the result may be a little too small.
   double lowest = HUGE_VAL, highest = -HUGE_VAL;
   const double slack = 1e-6 * (bounds_.second - bounds_.first).norm();
   for (const auto& part : parts_)

@@ -1,4 +1,4 @@
-// Bodies in 3D: the space inside closed surfaces, without what is cut out of it.
+// Bodies in 3D: the space inside closed surfaces, minus what is cut out of it.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -12,22 +12,22 @@ namespace poretwin {
 
 class Solid {
  public:
-  /// A surface inside which the body lies, or, `cut_out`, outside which it does.
+  /// A surface inside which the body lies or, if `cut_out`, outside which it lies.
   struct Part {
     TriangleMesh mesh;
     bool cut_out = false;
-    /// Distance from the surface [m], positive on the body's side; limited to +- range.
+    /// Distance from the surface [m], positive on the body's side, bounded by +- range.
     [[nodiscard]] double depth(const Point3& x, double range) const {
       return cut_out ? -mesh.depth(x, range) : mesh.depth(x, range);
     }
     [[nodiscard]] bool contains(const Point3& x) const { return mesh.contains(x) != cut_out; }
   };
-  /// The intersection of all parts, the first of which is not cut out. resolution [m]: size of the cells by which the
+  /// The intersection of all parts. The first part is not cut out. resolution [m]: size of the cells with which the
   /// volume of several parts is computed.
   Solid(std::vector<Part> parts, double resolution);
 
   [[nodiscard]] bool contains(const Point3& x) const;
-  /// Distance from the body's surface [m], positive inside, limited to +- range. Outside a body of several parts its
+  /// Distance from the body's surface [m], positive inside, bounded by +- range. Outside a body of several parts, its
   /// magnitude is a lower bound of the distance.
   [[nodiscard]] double depth(const Point3& x, double range) const;
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
@@ -43,9 +43,9 @@ class Solid {
   std::pair<Point3, Point3> bounds_;
 };
 
-/// The surface of a shape in its final place, before other shapes cut it. Facets of curved surfaces depart from them by
-/// a hundredth of a spacing [m], and the enclosed volume is exact. read(file): the text of a file. Throws CaseError
-/// with what is wrong with the shape.
+/// The surface of a shape in its final place, before other shapes cut it. Facets of curved surfaces depart from the
+/// surfaces by a hundredth of a spacing [m]; the enclosed volume is exact. read(file): the text of a file. Throws
+/// CaseError with the fault of the shape.
 Triangles surface_of(const Shape& shape, double spacing, const std::function<std::string(const std::string&)>& read);
 
 /// A point of a shape after it has been scaled, turned and moved.

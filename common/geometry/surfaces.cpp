@@ -13,26 +13,26 @@
 namespace poretwin {
 namespace {
 
-/// Two wall points count as two walls if their directions differ by 45 degrees or more (cosine); on a curved wall
-/// nearer directions belong to one wall.
+/// Cosine of 45 degrees: two wall points belong to two walls if their normals differ by at least this angle. On a
+/// curved wall smaller angles occur within one wall.
 constexpr double one_wall = 0.7;
-/// Least cosine between a facet's normal and the direction from its nearest point to the particle, with which that
-/// point acts as a mirror. At edges that turn away from the domain no facet does.
+/// A facet's nearest point acts as a mirror for a particle only where the direction from that point to the particle has
+/// at least this cosine with the facet's normal. At an edge that turns away from the domain no facet does.
 constexpr double faces = 0.9;
 /// Cosine of the angle between the normals in a corner of 105 degrees. Behind wider corners the images by single walls
-/// fill the space; behind narrower ones images by both walls together are needed, too.
+/// fill the space. Behind narrower ones the images by both walls together are needed, too.
 constexpr double wide_corner = 0.26;
-/// An image is dropped where another wall is nearer to it than this fraction of its distance from the mirror.
+/// An image is dropped if its distance from another wall is below this fraction of its distance from the mirror.
 constexpr double cut_off = 0.98;
-/// The bend of a wall is found from the wall points within this fraction of the range of images: some two spacings, so
-/// that several facets take part. Test: SoilInShapedWalls.IsNotStrainedWhereItTurnsInACylinder (untried).
+/// A wall's curvature is fitted to the wall points within this fraction of the range of images, some two spacings,
+/// several facets. Test (value untried): SoilInShapedWalls.IsNotStrainedWhereItTurnsInACylinder.
 constexpr double bend_reach = 0.75;
-/// Largest distance over the radius of curvature up to which images are stretched in proportion: the kernel's reach at
-/// a radius of five spacings.
+/// Largest ratio of distance to radius of curvature up to which images are stretched in proportion: the ratio of the
+/// kernel's reach to a radius of five spacings.
 constexpr double most_bent = 0.5;
-/// Weight on the bend itself, over the sum of the squares of the distances: small, since it lowers the bend by as much.
+/// Weight on the curvature, over the sum of squared distances. Small, since the curvature is too low by this fraction.
 constexpr double bend_damping = 1e-3;
-/// Rounding errors, over the distances that are compared.
+/// Allowance for rounding errors, relative to the distances that are compared.
 constexpr double slack = 1e-6;
 
 /// Sign with which the outward normals of a part point into the domain.
@@ -82,7 +82,7 @@ bool Surfaces::is_covered(const Vec<3>& at, const Body* body, const Solid::Part*
 Surfaces::WallPoints Surfaces::walls_near(const Vec<3>& x, double range) const {
   static const double one_wall_angle = std::acos(one_wall);
   WallPoints found;
-  // Whether a point of a wall differs in direction from the wall points found so far and lies behind none of them.
+  // Whether a wall point has another direction (normal) than those found so far and lies behind none of them.
   const auto another = [&](const Vec<3>& normal, const Vec<3>& at) {
     return std::ranges::none_of(found.all(), [&](const WallPoint& w) {
       return normal.dot(w.normal) >= one_wall || w.normal.dot(at - w.at) < -slack * range;
@@ -162,9 +162,9 @@ bool Surfaces::is_cut_off(const Vec<3>& from, const Vec<3>& image, double distan
   return found;
 }
 
-// By least squares over the wall points within the range: the normal n and the symmetric, tangential S with which
-// n + S (x_j - x) comes closest to the normals n_j. A small weight on S keeps directions determined in which no other
-// point lies. Where the normals are all the same, nothing changes.
+// Fits the normal n and its derivative S along the wall (symmetric, tangential) by least squares: n + S (x_j - x) comes
+// as close as possible to the normals n_j of the wall points x_j within the range. A small weight on S makes it unique
+// in directions without other points. On flat walls nothing changes.
 void Surfaces::find_bends(double range, std::vector<Found>& found) {
   std::vector<WallPoint*> points;
   for (auto& some : found)
@@ -189,7 +189,7 @@ void Surfaces::find_bends(double range, std::vector<Found>& found) {
       if (points[j]->boundary != points[k]->boundary || normal[j].dot(n) < faces) return;
       const Vec<3> way = at[j] - at[k], change = normal[j] - n;
       const double weight = 1.0 - r2 / (range * range), a = way.dot(u), b = way.dot(v);
-      // Factors of S_uu, S_uv, S_vv and of the normal's own change along u and v.
+      // Factors of S_uu, S_uv, S_vv, and of the change of the normal itself along u and v.
       const Unknowns along_u(Unknowns{{a, b, 0.0, 1.0, 0.0}}), along_v(Unknowns{{0.0, a, b, 0.0, 1.0}});
       moment += weight * (along_u * along_u.transpose() + along_v * along_v.transpose());
       right += weight * (change.dot(u) * along_u + change.dot(v) * along_v);
@@ -289,7 +289,7 @@ void Surfaces::keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>
     x = from + past + (std::min(through, reach) + through) * hit->normal;
     v -= std::min(0.0, hit->normal.dot(v)) * hit->normal;
   }
-  // Where walls reflect the point back and forth, as in a sharp corner, it stays where it was.
+  // In a sharp corner, where walls reflect the point back and forth, it returns to the position before its motion.
   if (!thrown || holds(x)) return;
   x = before;
   v.setZero();
@@ -299,14 +299,14 @@ std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, dou
                                     const std::function<bool(const Point3&)>& in_reach) {
   constexpr double most_samples = 100.0;
   constexpr double degrees = 180.0 / std::numbers::pi;
-  constexpr double corner = 45.0;    // degrees: two walls, not one curved one (one_wall)
+  constexpr double corner = 45.0;    // degrees: beyond this angle two facets are two walls (one_wall)
   constexpr double smallest = 1e-3;  // radians; smaller turns are rounding
   const bool inside = domain == Wall::Domain::inside;
   const auto& parts = shape.solid->parts();
   for (const auto& part : parts) {
     const auto& [points, facets] = part.mesh.triangles();
     struct Side {
-      Index facet, opposite;  // the facet, and its corner off the edge
+      Index facet, opposite;  // the facet, and its corner that is not on the edge
     };
     std::map<std::pair<Index, Index>, Side> first;
     for (Index f = 0; f < facets.size(); ++f)
@@ -325,15 +325,15 @@ std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, dou
         const int samples = static_cast<int>(std::clamp((b - a).norm() / spacing, 1.0, most_samples));
         for (int k = 0; k < samples && !counts; ++k) {
           at = a + (k + 0.5) / samples * (b - a);
-          // Parts of the surface that other parts cut away do not count.
+          // Parts of the surface that other parts of the shape cut away do not count.
           counts = in_reach(at) && (parts.size() == 1 || shape.solid->depth(at, spacing) > -1e-3 * spacing);
         }
         if (!counts) continue;
         const bool away = n.dot(points[other.opposite] - a) < 0.0;
         if (away && turn * degrees > most_turned_away) return BentPlace{at, turn * degrees, 0.0};
         if (turn * degrees > corner) continue;
-        // The distance between the places to which the facets' normals belong: between their circumcentres, or, where
-        // those lie close to the edge, between their centroids.
+        // The distance between the places for which the facets' normals are right: their circumcentres, or, where these
+        // lie close to the edge, their centroids.
         const Point3& tip = points[opposite];
         const Point3& other_tip = points[other.opposite];
         const auto cotangent = [&](const Point3& x) { return (a - x).dot(b - x) / (a - x).cross(b - x).norm(); };
@@ -347,8 +347,8 @@ std::optional<BentPlace> bent_place(const Shape& shape, Wall::Domain domain, dou
 }
 
 std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing) {
-  // Largest product of the normals of two facets that count as opposite sides of a wall. Towards the tip of a wedge
-  // every body is thin, which does not count.
+  // Two facets can be opposite sides of a wall only if the product of their normals is at most this value. Every body
+  // is thin near the tip of a wedge, where the sides meet at an angle, and this does not count.
   constexpr double opposite = -0.8;
   constexpr double most_places = 1e5;
   const bool inside = domain == Wall::Domain::inside;

@@ -25,13 +25,13 @@ bool lies_in(const Case& scene, Keeps what, const Point3& x) {
 double spacing_of(const Case& scene, Keeps what) {
   return what == Keeps::water ? scene.fluid.particle_spacing : scene.solid.particle_spacing;
 }
-/// Does the wall make images of these particles?
+/// Whether the wall makes images of these particles.
 bool stops(const Wall& wall, Keeps what) {
   return what == Keeps::water ? wall.water != Wall::ForWater::none
                               : wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::rough;
 }
 
-/// Where water or soil stands on both sides of a line.
+/// A place where water or soil lies on both sides of a line.
 std::optional<Point3> two_sides(const Case& scene, Keeps what, const Piece& piece) {
   const double dx = spacing_of(scene, what);
   const Point3 aside = 1e-3 * dx * piece.left();
@@ -40,12 +40,12 @@ std::optional<Point3> two_sides(const Case& scene, Keeps what, const Piece& piec
   return std::nullopt;
 }
 
-/// Does x lie on one of the pieces?
+/// Whether x lies on one of the pieces.
 bool lies_on(const std::vector<Piece>& pieces, const Point3& x, double tolerance) {
   return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return distance_from(p, x) < tolerance; });
 }
 
-/// A wall as a mirror on its left and, of a line with two sides, on its right.
+/// Adds a wall as a mirror on its left and, if it is a line with particles on both sides, on its right.
 void add_sides(const Case& scene, Keeps what, const Wall& wall, int number, int& screen, double margin,
                std::vector<sph::ImagePlane<2>>& planes) {
   const double near = 1e-6 * margin;
@@ -62,11 +62,11 @@ void add_sides(const Case& scene, Keeps what, const Wall& wall, int number, int&
     plane.screen = screen++;
     planes.push_back(plane);
   }
-  // How far a line is continued beyond an end: behind a water face by the margin. At a free tip it ends a little
-  // earlier, or particles on opposite sides at equal distances from the line would not see each other past the tip (2.5
-  // % too little seepage at 15 spacings).
+  // How far a line continues beyond an end, as seen by particles: behind a water face by the margin. At a free tip it
+  // ends slightly earlier; otherwise particles on opposite sides, at equal distances from the line, would not see each
+  // other past the tip (seepage 2.5 % too small with 15 spacings).
   const auto goes_on = [&](const Piece& piece, const Point3& end) {
-    // Where the wall goes straight on into a face, pairs that cross the face see each other past the wall (Joint).
+    // Where the wall continues straight into a face, pairs that cross the face see each other past the wall (Joint).
     const Point3 along = (piece.b - piece.a).normalized();
     const bool turns = std::any_of(faces.begin(), faces.end(), [&](const Piece& face) {
       return std::abs(along.dot((face.b - face.a).normalized())) < 0.99 && lies_on({face}, end, near);
@@ -158,11 +158,11 @@ bool sight_matters(const Case& scene, Keeps what) {
   return false;
 }
 
-/// Walls need a thickness of 5 spacings with particles on both sides (two kernel reaches), of 3 with particles on one
-/// side (one reach), unless those on opposite sides are kept from interacting (`Sight`). Measured without that: from 5
-/// spacings on, still water on both sides stays at rest (at 4 it moves at 0.7 m/s, at 2 the run diverges), and seepage
-/// is right (1.4 % off at 4, NaN at 3). Water on one side is right from 3 spacings on (at 1 its pressure is 7 % too
-/// high).
+/// A wall with particles on both sides needs a thickness of 5 spacings (two kernel reaches), a wall with particles on
+/// one side 3 spacings (one reach), unless `Sight` prevents interaction through it. Measured without `Sight`: at 5
+/// spacings and more, still water on both sides stays at rest (at 4 it moves at 0.7 m/s, at 2 the run diverges), and
+/// seepage is right (1.4 % wrong at 4, NaN at 3). Water on one side is right at 3 spacings and more (at 1 its pressure
+/// is 7 % too high).
 std::vector<ThinWall> thin_walls(const Case& scene, Keeps what) {
   std::vector<ThinWall> found;
   if (scene.general.dimension != 2 || !(what == Keeps::water ? scene.has_water() : scene.deformable())) return found;
@@ -202,8 +202,8 @@ std::vector<sph::ImagePlane<2>> sides_of_walls(const Case& scene, Keeps what, do
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     if (stops(scene.walls[w], what))
       add_sides(scene, what, scene.walls[w], static_cast<int>(w), screen, margin, planes);
-  // Where a line turns away from the domain or continues straight, some points see both pieces. A line of sight through
-  // the corner then counts as one through the first piece.
+  // Where a line turns away from the domain or continues straight, some points see both of its pieces. A line of sight
+  // through the common end then counts for the first piece only.
   for (auto& plane : planes)
     for (const auto& before : planes)
       if (before.screen != plane.screen && before.tangent.dot(plane.tangent) > -0.99 &&

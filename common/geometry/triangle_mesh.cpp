@@ -36,13 +36,13 @@ double solid_angle(Vec<3> a, Vec<3> b, Vec<3> c, const Vec<3>& x) {
   return 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-/// Where the way from o along d meets a triangle, as a multiple of d (Moeller & Trumbore 1997).
+/// Where the line from o along d crosses a triangle, as a multiple of d (Moeller & Trumbore 1997).
 std::optional<double> meeting(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, const Vec<3>& o, const Vec<3>& d) {
   const Vec<3> ab = b - a, ac = c - a, p = d.cross(ac), t = o - a, q = t.cross(ab);
   const double det = ab.dot(p);
   if (det == 0.0) return std::nullopt;
   const double u = t.dot(p) / det, v = d.dot(q) / det;
-  constexpr double slack = 1e-9;  // no way leads through between two triangles
+  constexpr double slack = 1e-9;  // so that no line passes between two adjacent triangles
   if (u < -slack || v < -slack || u + v > 1.0 + slack) return std::nullopt;
   return ac.dot(q) / det;
 }
@@ -57,7 +57,7 @@ TriangleMesh::TriangleMesh(Triangles triangles) : triangles_(std::move(triangles
     normals_.push_back(twice.normalized());
   }
   build(0, static_cast<Index>(facets_.size()));
-  // Positions are taken relative to the centre: far from the origin the sum would lose its digits.
+  // Positions are taken relative to the centre: far from the origin, the sum would lose its digits.
   const Vec<3> o = nodes_[0].centre;
   for (const Index f : facets_) volume_ += (corner(f, 0) - o).dot((corner(f, 1) - o).cross(corner(f, 2) - o)) / 6.0;
 }
@@ -102,7 +102,7 @@ void TriangleMesh::build(Index first, Index count) {
   build(first + half, count - half);
 }
 
-/// Calls visit(facet) for the facets of all leaves that are reached; enter(node): whether to go on below a node.
+/// Visits a tree of facets: enter(node) decides whether to go below a node, visit(facet) gets the facets of its leaves.
 template <class Visit, class Enter>
 void TriangleMesh::walk(const Enter& enter, const Visit& visit) const {
   std::array<Index, 64> stack;
@@ -122,7 +122,7 @@ void TriangleMesh::walk(const Enter& enter, const Visit& visit) const {
 }
 
 double TriangleMesh::winding_number(const Vec<3>& x) const {
-  // A part that is twice as far away as it is large counts as a dipole; the sum is then off by 1e-2 of a full turn.
+  // A part farther away than twice its size counts as a dipole; the error of the sum is then 1e-2 of a full turn.
   constexpr double far = 2.0;
   double angle = 0.0;
   walk(
@@ -139,7 +139,7 @@ double TriangleMesh::winding_number(const Vec<3>& x) const {
 
 bool TriangleMesh::contains(const Vec<3>& x) const {
   if (nodes_[0].distance2(x) > 0.0) return false;
-  constexpr double straight = 1e-9;  // sine of the angle between the way to the facet and its normal
+  constexpr double straight = 1e-9;  // sine of the angle between the facet's normal and the line to the facet
   if (const auto near = nearest(x, HUGE_VAL); near && near->distance > 0.0) {
     const Vec<3> way = (x - near->point) / near->distance, outwards = normal(near->facet);
     if (way.cross(outwards).norm() < straight) return way.dot(outwards) < 0.0;
@@ -206,8 +206,8 @@ std::optional<double> TriangleMesh::crossing(const Vec<3>& a, const Vec<3>& b) c
 double TriangleMesh::depth(const Vec<3>& x, double range) const {
   const auto found = nearest(x, range);
   if (!found) return contains(x) ? range : -range;
-  // Where the nearest point lies inside a facet, the facet's normal tells the side of x; at an edge or corner it need
-  // not.
+  // If the nearest point lies inside a facet, the facet's normal shows on which side x lies; at an edge or a corner it
+  // may not.
   constexpr double over = 1.0 - 1e-9;
   const double away = normals_[found->facet].dot(x - found->point);
   if (std::abs(away) > over * found->distance) return -away;
@@ -240,7 +240,7 @@ Triangles turned_round(Triangles triangles) {
 
 namespace {
 
-/// Where an edge of one triangle passes through the inside of the other, away from their borders.
+/// Where an edge of one triangle passes through the inside of the other, away from the borders of both.
 std::optional<Vec<3>> crossing_of(const std::array<Vec<3>, 3>& t, const std::array<Vec<3>, 3>& u) {
   constexpr double inside = 1e-6;
   for (const auto& [edges, face] : {std::pair{&t, &u}, {&u, &t}})

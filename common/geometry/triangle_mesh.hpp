@@ -1,4 +1,4 @@
-// Closed surfaces of triangles: inside or outside, distance, nearest facets, by a tree of boxes.
+// Closed surfaces of triangles. A tree of boxes gives inside or outside, distance, and nearest facets.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -14,7 +14,7 @@ namespace poretwin {
 
 using Facet = std::array<Index, 3>;
 
-/// Points and triangles, as a file or a primitive gives them; facets run counter-clockwise seen from outside.
+/// Points and triangles, as in a file or a primitive. Facets are counter-clockwise as seen from outside.
 struct Triangles {
   VecArray<3> points;  ///< m
   std::vector<Facet> facets;
@@ -25,12 +25,12 @@ class TriangleMesh {
   /// The surface must be closed and oriented (`fault_of`); otherwise the functions below give no meaningful results.
   explicit TriangleMesh(Triangles triangles);
 
-  /// How often the surface winds around x: 1 inside, 0 outside (Jacobson et al. 2013); far parts of the surface as
-  /// dipoles (Barill et al. 2018).
+  /// Winding number of the surface around x: 1 inside, 0 outside (Jacobson et al. 2013). Far parts of the surface are
+  /// approximated as dipoles (Barill et al. 2018).
   [[nodiscard]] double winding_number(const Vec<3>& x) const;
-  /// Whether x lies inside the closed surface. Outside its box it does not. Else the side of the nearest facet tells it,
-  /// where that facet lies straight before x; where it is met at an edge, the winding number does, which costs ten times
-  /// as much.
+  /// Whether x lies inside the closed surface. It does not outside the surface's box. Otherwise the side of the nearest
+  /// facet decides, if the nearest point lies within that facet. If it lies on an edge, the winding number decides,
+  /// which costs ten times as much.
   [[nodiscard]] bool contains(const Vec<3>& x) const;
 
   struct Nearest {
@@ -38,10 +38,10 @@ class TriangleMesh {
     Vec<3> point = Vec<3>::Zero();  ///< m
     double distance = 0.0;          ///< m
   };
-  /// The nearest point of the surface within a range [m] of x, if there is any.
+  /// The nearest point of the surface within a range [m] of x; empty if there is none.
   [[nodiscard]] std::optional<Nearest> nearest(const Vec<3>& x, double range) const;
-  /// The nearest of the points on facets within a range [m] of x that are admitted: admits(Nearest). Facets whose
-  /// normals are all within an angle of a direction are left out where skips(direction, cosine of the angle).
+  /// The nearest of the points on facets within a range [m] of x for which admits(Nearest) holds. Leaves out facets
+  /// whose normals are all within an angle of a direction for which skips(direction, cosine of the angle) holds.
   template <class Skips, class Admits>
   [[nodiscard]] std::optional<Nearest> nearest_if(const Vec<3>& x, double range, const Skips& skips,
                                                   const Admits& admits) const {
@@ -79,10 +79,10 @@ class TriangleMesh {
   void for_each_near(const Vec<3>& x, double range, const std::function<void(const Nearest&)>& visit) const;
   /// Facets whose boxes touch the box from lower to upper.
   void for_each_touching(const Vec<3>& lower, const Vec<3>& upper, const std::function<void(Index)>& visit) const;
-  /// Where the way from a to b first crosses the surface, as a fraction of the way.
+  /// The first intersection of the line from a to b with the surface, as a fraction of the line.
   [[nodiscard]] std::optional<double> crossing(const Vec<3>& a, const Vec<3>& b) const;
 
-  /// Distance from the surface [m], positive inside; of what is farther than a range: the range.
+  /// Distance from the surface [m], positive inside; its magnitude is at most `range`.
   [[nodiscard]] double depth(const Vec<3>& x, double range) const;
 
   [[nodiscard]] std::size_t size() const { return facets_.size(); }
@@ -95,12 +95,12 @@ class TriangleMesh {
  private:
   struct Node {
     Vec<3> lower, upper;         ///< m
-    Vec<3> centre, area;         ///< of the facets below [m], and the sum of their normals times areas [m2]
+    Vec<3> centre, area;         ///< of the facets below [m]; sum of their normals times areas [m2]
     Vec<3> direction;            ///< unit, middle of the normals below
-    double spread = -1.0;        ///< least cosine between it and one of them
+    double spread = -1.0;        ///< least cosine between `direction` and one of the normals
     double radius = 0.0;         ///< m, around the centre
     Index first = 0, count = 0;  ///< of the facets, in the tree's order
-    Index right = 0;             ///< second of the children, the first follows at once; 0: a leaf
+    Index right = 0;             ///< second child (the first is the next node); 0: the node is a leaf
     [[nodiscard]] double distance2(const Vec<3>& x) const {
       return (lower - x).cwiseMax(x - upper).cwiseMax(0.0).squaredNorm();
     }
@@ -120,16 +120,16 @@ class TriangleMesh {
   double volume_ = 0.0;
 };
 
-/// What is wrong with a surface that is to enclose a body, and where.
+/// The fault of a surface that must enclose a body, and its place.
 struct MeshFault {
   std::string what;  ///< a sentence about facets, counted from 1
   Vec<3> at;         ///< m
 };
 /// The first fault of a surface: open edges, edges of more than two facets, neighbouring facets of opposite
-/// orientation, facets without area, facets that cross; nothing if there is none.
+/// orientation, facets without area, facets that cross. Empty if the surface has no fault.
 std::optional<MeshFault> fault_of(const TriangleMesh& mesh);
 
-/// Points that coincide become one; facets of which two corners then coincide are left out.
+/// Joins points that coincide. Facets of which two corners then coincide are left out.
 Triangles joined(const Triangles& triangles);
 
 /// The same triangles with the opposite orientation.

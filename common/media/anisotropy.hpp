@@ -8,17 +8,17 @@
 
 namespace poretwin::porous {
 
-/// Whether a soil conducts differently along its beds and across them.
+/// Whether the conductivity of a soil along its beds differs from that across them.
 inline bool is_anisotropic(const Soil& soil) { return soil.anisotropy != 1.0; }
 
-/// Direction across the beds of a soil, of length 1: as the case gives it, or along gravity; zero where there is
-/// neither.
+/// Unit vector across the beds of a soil, as the case gives it, or along gravity. It is zero if the case gives no such
+/// direction and has no gravity.
 inline Point3 across_beds(const Case& scene, const Soil& soil) {
   return soil.bedding_normal.isZero() ? Point3(-scene.general.gravity.normalized()) : soil.bedding_normal.normalized();
 }
 
-/// The conductivity of a soil over that along its beds: I - (1 - 1/a) n n^T with the ratio a and the direction n across
-/// the beds.
+/// The conductivity tensor of a soil over the conductivity along its beds: I - (1 - 1/a) n n^T, with the ratio a
+/// (anisotropy) and the direction n across the beds.
 inline Eigen::Matrix3d relative_conductivity(const Case& scene, const Soil& soil) {
   const Point3 n = across_beds(scene, soil);
   return Eigen::Matrix3d::Identity() - (1.0 - 1.0 / soil.anisotropy) * n * n.transpose();

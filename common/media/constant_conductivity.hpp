@@ -1,4 +1,4 @@
-// Linear Darcy flow with a conductivity that does not depend on the porosity.
+// Linear Darcy flow with a conductivity that is independent of the porosity.
 #pragma once
 
 #include "common/media/seepage_law.hpp"

@@ -5,18 +5,18 @@
 
 namespace poretwin::porous {
 
-/// (1 - n) / n^3, the dependence of the quadratic coefficient b on the porosity n in Ergun's law.
+/// (1 - n) / n^3: dependence of the quadratic coefficient b on the porosity n in Ergun's law.
 inline double inertial_shape(double n) { return (1.0 - n) / (n * n * n); }
 
-/// A law that is known at one porosity, converted to another: k ~ n^3/(1-n)^2 (Kozeny-Carman), b ~ (1-n)/n^3. For
-/// values that the other process sent, and at edges of soil, where porosity rises to that of free water (n = 1: no
-/// resistance).
+/// Converts a law known at one porosity to another porosity: k ~ n^3/(1-n)^2 (Kozeny-Carman), b ~ (1-n)/n^3. It is used
+/// for values received from the other process, and at edges of soil, where the porosity rises to that of free water (n
+/// = 1: no resistance).
 inline Seepage carried_over(const Seepage& known, double known_porosity, double porosity) {
   return {known.conductivity * kozeny_carman_shape(porosity) / kozeny_carman_shape(known_porosity),
           known.quadratic * inertial_shape(porosity) / inertial_shape(known_porosity)};
 }
 
-/// Both coefficients are given for the soil's own porosity.
+/// The case gives both coefficients at the soil's own porosity.
 inline SeepageLaw forchheimer() {
   return {"forchheimer",
           "i = U/k + b U^2",
@@ -28,7 +28,7 @@ inline SeepageLaw forchheimer() {
 
 /// Ergun (1952), Eqs. (91), (92) as corrected (their terms contain U), with the grain size D and the permeability
 /// kappa: kappa = n^3 D^2 / (A (1-n)^2), k = g kappa / nu, b = B / (sqrt(A) g n^1.5 sqrt(kappa)) = B (1-n) / (g n^3 D).
-/// A = 150 and B = 1.75 unless the case gives others.
+/// A = 150 and B = 1.75 unless the case gives other values.
 inline SeepageLaw ergun() {
   return {"ergun",
           "k and b from the grains, Eqs. (91), (92) as corrected",

@@ -12,11 +12,11 @@
 namespace poretwin::porous {
 namespace {
 
-/// Heads of the table of Phi: 0, and from -`nearest` to -`farthest`, evenly spaced in the logarithm. Cubics between
-/// them reproduce Phi to a relative error of 1e-9; beyond the last, k_r is taken as constant.
+/// Heads at which Phi, the integral of k_r over the head, is tabulated: 0, and from -`nearest` to -`farthest`, evenly
+/// spaced in the logarithm. Cubics between them have a relative error of 1e-9; below the last head k_r is constant.
 constexpr double nearest = 1e-5, farthest = 1e5;  // m
 constexpr int per_decade = 150;
-const double rows_per_e = per_decade / std::log(10.0);  // rows per factor e
+const double rows_per_e = per_decade / std::log(10.0);  // rows for a factor e of the head
 const int rows = static_cast<int>(std::lround(per_decade * std::log10(farthest / nearest))) + 2;
 
 double head_of_row(int row) { return row == 0 ? 0.0 : -nearest * std::exp((row - 1) / rows_per_e); }
@@ -34,13 +34,13 @@ const RetentionLaw& retention_law(const Soil& soil) {
 
 Retention::Retention(std::unique_ptr<RetentionCurve> curve)
     : curve_(std::move(curve)), joint_head_(curve_->steepest()) {
-  // Where the curve has a corner at that head, the slope below it is taken.
+  // Where the curve has a corner at the joint, the slope below the joint is taken.
   joint_ = curve_->saturation(std::min(joint_head_ * (1.0 + 1e-12), -1e-12));
   joint_.value = saturation(joint_head_).value;
   potential_.push_back(0.0);
   permeability_.push_back(1.0);
   for (int row = 1; row < rows; ++row) {
-    // Gauss quadrature with three points.
+    // Integrates with three Gauss points.
     const double a = head_of_row(row), b = head_of_row(row - 1), middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double sum = 8.0 / 9.0 * permeability(middle).value;
     for (const double side : {-1.0, 1.0}) sum += 5.0 / 9.0 * permeability(middle + side * std::sqrt(0.6) * half).value;

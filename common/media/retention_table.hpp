@@ -63,14 +63,14 @@ class RetentionTable final : public RetentionCurve {
  public:
   RetentionTable(const Series& saturation, const Series& permeability)
       : saturation_(saturation), permeability_(permeability) {
-    // A cubic is steepest at an end or inside; its slope is compared at both ends and twenty points between.
+    // A cubic is steepest at an end or inside. Its slope is compared at both ends and at twenty points between them.
     constexpr int places = 20;
     double most = 0.0;
     const auto& rows = saturation_.rows();
     for (std::size_t i = 0; i + 1 < rows.size(); ++i)
       for (int k = 0; k <= places; ++k) {
         const double psi = rows[i].first + (rows[i + 1].first - rows[i].first) * k / places;
-        // At a row itself the slope of the piece before it is taken.
+        // At a row itself, the slope is that of the piece before the row.
         const double slope = saturation_.at(psi * (1.0 + 1e-12)).slope;
         if (slope <= most) continue;
         most = slope;

@@ -1,5 +1,5 @@
 // A seepage law: the hydraulic gradient as a function of the discharge velocity, in soil of a given porosity. Each law
-// has one file and one row in `seepage_laws`; its parameters become keys of [[soil]] automatically.
+// has one file and one row in `seepage_laws`. Its parameters become keys of [[soil]] automatically.
 #pragma once
 
 #include <deque>
@@ -20,11 +20,11 @@ struct Seepage {
 struct LawParameter {
   std::string key, unit, meaning;
   double value = 0.0;   ///< default
-  bool needed = false;  ///< the case must give it, greater than zero
+  bool needed = false;  ///< the case must give it, greater than `above`
   double above = 0.0;
 };
 
-/// What a law is evaluated for.
+/// The properties for which a law is evaluated.
 struct Medium {
   double porosity = 0.4;                    ///< n, the porosity for which k and b are computed
   double own_porosity = 0.4;                ///< porosity of the soil as the case gives it
@@ -45,11 +45,11 @@ struct SeepageLaw {
   bool takes_conductivity = true;  ///< false: the law computes k; hydraulic_conductivity must not be given
 };
 
-/// All laws; the first is the default. References to them stay valid.
+/// All laws; the first is the default. References to them remain valid.
 const std::deque<SeepageLaw>& seepage_laws();
-/// The law of that name; throws CaseError with all names where there is none.
+/// The law of that name. Throws CaseError with the names of all laws if there is no such law.
 const SeepageLaw& seepage_law(std::string_view name);
-/// Adds a law; call it before a case is read. Throws CaseError where its name or a key is already used.
+/// Adds a law. To be called before a case is read. Throws CaseError if its name or a key is already in use.
 const SeepageLaw& add_seepage_law(SeepageLaw law);
 
 }  // namespace poretwin::porous

@@ -1,4 +1,4 @@
-// No capillarity: pores are full below a sharp front and hold no water above it.
+// No capillarity: pores are full of water below a sharp front and empty above it.
 #pragma once
 
 #include "common/media/retention_law.hpp"

@@ -13,15 +13,15 @@ namespace poretwin::porous {
 /// S_e = S / S_c and k_r = S_e^l [(1 - (1 - S^(1/m))^m) / (1 - (1 - S_c^(1/m))^m)]^2 for psi < -h_e; 1 above.
 class VanGenuchten final : public RetentionCurve {
  public:
-  /// Length below psi = 0 over which k_r is replaced by a straight line where n < 2 and there is no entry head: the
-  /// slope of k_r at psi = 0 is then infinite, and Newton's method would fail. The infiltration changes by less than
-  /// the discretisation's error. Unit: m. Test: Retention.NearlyFullSoilConductsAlongAStraightLine.
+  /// Length below psi = 0 over which a straight line replaces k_r if n < 2 and there is no entry head: otherwise the
+  /// slope of k_r at psi = 0 is infinite, and Newton's method would fail. The infiltration changes by less than the
+  /// error of the discretisation. Unit: m. Test: Retention.NearlyFullSoilConductsAlongAStraightLine.
   static constexpr double straight = 1e-3;
 
   VanGenuchten(double alpha, double n, double entry_head, double connectivity)
       : alpha_(alpha), n_(n), m_(1.0 - 1.0 / n), entry_(entry_head), l_(connectivity) {
     full_ = raw(-entry_);
-    // Where d2S/dpsi2 = 0: x = m.
+    // d2S/dpsi2 = 0 at x = m.
     steepest_ = std::min(-entry_, -std::pow(m_, 1.0 / n_) / alpha_);
     straight_ = n_ < 2.0 && entry_ == 0.0;
     if (straight_) at_straight_ = curved(-straight).value;

@@ -1,4 +1,4 @@
-// A coarse space for smooth parts of a solution, which vary over many particles.
+// A coarse space for smooth parts of a solution. Such parts vary over many particles.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -12,15 +12,15 @@
 
 namespace poretwin {
 
-/// Piecewise constants on square aggregates of particles. They represent the part of a solution that a preconditioner
-/// of single rows finds only slowly (two levels, additive: Nicolaides 1987).
+/// Piecewise constants on square aggregates of particles. They represent the part of a solution to which a
+/// preconditioner of single rows converges only slowly (two levels, additive: Nicolaides 1987).
 template <int D>
 class Aggregates {
  public:
   static constexpr Index none = static_cast<Index>(-1);
 
-  /// Aggregates of side `width` [m], or larger ones where there would be too many for a dense matrix; particles with
-  /// member(a) = false belong to none.
+  /// Aggregates of side `width` [m], or larger ones if a dense matrix would have too many rows. Particles for which
+  /// member(a) is false belong to no aggregate.
   template <class Member>
   Aggregates(std::span<const Vec<D>> position, double width, const Member& member) : of_(position.size(), none) {
     Vec<D> lower = Vec<D>::Constant(std::numeric_limits<double>::max()), upper = -lower;
@@ -65,7 +65,7 @@ class Aggregates {
   /// The aggregate of a particle, or `none`.
   [[nodiscard]] Index of(std::size_t a) const { return of_[a]; }
 
-  /// Assembles and factorises the coarse matrix; row(a, add) calls add(b, value) for every entry (a, b) of the fine
+  /// Assembles and factorises the coarse matrix. row(a, add) calls add(b, value) for every entry (a, b) of the fine
   /// matrix.
   template <class Row>
   void factorise(const Row& row) {
@@ -82,10 +82,10 @@ class Aggregates {
       coarse(i, i) = own;
     });
     factor_.compute(coarse);
-    if (factor_.info() != Eigen::Success) n_ = 0;  // not finite: no correction; the caller's residual shows it
+    if (factor_.info() != Eigen::Success) n_ = 0;  // not finite: no correction is made; the caller's residual shows it
   }
 
-  /// z += P A^-1 P^T r with the coarse matrix A and the prolongation P, for each component separately [particles x
+  /// z += P A^-1 P^T r with the coarse matrix A and the prolongation P, separately for each component [particles x
   /// fields].
   template <int fields = D>
   void correct(std::span<const double> r, std::span<double> z) const {
@@ -96,7 +96,7 @@ class Aggregates {
       for (Index m = first_[i]; m < first_[i + 1]; ++m)
         for (int d = 0; d < fields; ++d) sums(i, d) += r[members_[m] * fields + static_cast<std::size_t>(d)];
     });
-    // One by one: triangular solves with a few columns at once are slower.
+    // One column at a time: triangular solves for a few columns together are slower.
     for (int d = 0; d < fields; ++d) {
       auto column = sums.col(d);
       factor_.solveInPlace(column);
@@ -117,7 +117,7 @@ class Aggregates {
 
   static constexpr std::size_t most = 256;
   std::vector<Index> of_;
-  std::vector<Index> first_{0}, members_;  ///< members of i: from members_[first_[i]] on
+  std::vector<Index> first_{0}, members_;  ///< members of i begin at members_[first_[i]]
   Index n_ = 0;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };

@@ -1,4 +1,4 @@
-// The critical factor, below which a structure stands and above which it fails: bracketed, then found by bisection.
+// The critical factor, below which a structure is stable and above which it fails. It is bracketed, then bisected.
 #pragma once
 
 #include <limits>
@@ -16,13 +16,13 @@ struct Border {
 /// Parameters of the search.
 struct BorderSearch {
   double guess = 1.0;       ///< the first factor tried
-  double ratio = 2.0;       ///< second over first; squared (at most 2) at each trial until bracketed
-  double largest = 100.0;   ///< the search ends above it (fails = infinity) and below its inverse (stands = 0)
+  double ratio = 2.0;       ///< second factor over first; squared (at most 2) at each trial until bracketed
+  double largest = 100.0;   ///< the search ends above this (fails = infinity) and below its inverse (stands = 0)
   double tolerance = 0.01;  ///< largest width of the bracket, relative to `fails`
 };
 
-/// The bracket. stands(factor) tells whether the structure stands; where it returns nothing, the search is given up and
-/// nothing is returned.
+/// The bracket of the critical factor. stands(factor) returns whether the structure is stable. If it returns nothing,
+/// the search is given up, and find_border also returns nothing.
 template <class Stands>
 std::optional<Border> find_border(const BorderSearch& search, const Stands& stands) {
   Border border;

@@ -13,8 +13,8 @@
 
 namespace poretwin {
 
-/// Columns of a sparse matrix, read from the pair lists of the particles, which must outlive this. The column of an
-/// image is that of its parent; where the parent is no row either, it is the row's own.
+/// Columns of a sparse matrix, taken from the pair lists of the particles, which must outlive this object. The column
+/// of an image is that of its parent. If the parent is no row either, it is the row's own column.
 struct PairColumns {
   std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
   std::span<const char> beyond;                  ///< [rows] whether a row has columns that are images; empty: none has
@@ -30,8 +30,8 @@ struct PairColumns {
 
 /// Matrix of a graph Laplacian on pairs of particles, plus a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k
 /// x_column(k), symmetric by construction. Rows are padded to multiples of four with weights of zero. Weights are
-/// rounded to single precision, equally for both rows of a pair, and the diagonal is summed from the rounded weights,
-/// so that constants stay in the kernel of the Laplacian.
+/// rounded to single precision, equally for both rows of a pair. The diagonal is the sum of the rounded weights, so
+/// that the Laplacian of a constant is exactly zero.
 struct PairMatrix {
   PairColumns column;
   UnsetArray<float> weight;  ///< per entry, >= 0
@@ -67,11 +67,11 @@ struct SolveReport {
   bool converged = true;
 };
 
-/// Preconditioned conjugate gradients, matrix-free. Vectors hold the rows that this rank owns. apply(x, y): y = A x,
-/// where x also holds the halo's entries, which are up to date. precondition(r, z): z = P^-1 r; P may change slightly
-/// between steps, since each direction is made conjugate to the last (flexible; Notay 2000), and may leave out what
-/// other ranks contribute. r: the residual b - A x of the given x. Stops when |residual| <= tolerance (absolute), or
-/// when residual . z <= `energy`; residual . z is of the order of the error's energy.
+/// Preconditioned conjugate gradients, matrix-free. Vectors contain the rows that this rank owns. apply(x, y): y = A x,
+/// where x also contains the halo's entries, up to date. precondition(r, z): z = P^-1 r. P may change slightly between
+/// steps, since each direction is made conjugate to the last (flexible; Notay 2000), and may leave out contributions of
+/// other ranks. r: the residual b - A x of the given x. Stops when |residual| <= tolerance (absolute), or when residual
+/// . z <= `energy`; residual . z is of the order of the error's energy.
 template <class Apply, class Precondition>
 SolveReport reduce_residual(const Domain& domain, Apply&& apply, Precondition&& precondition, ScalarArray r,
                             std::span<double> x, double tolerance, int limit, double energy = 0.0) {
@@ -124,8 +124,8 @@ struct GmresReport : SolveReport {
   Eigen::VectorXd shares;  ///< coefficient in x of each direction that was applied, in their order
 };
 
-/// Flexible GMRES (Saad 1993) without restart, from x = 0; the preconditioner may itself be an iteration. Vectors and
-/// functions: as for reduce_residual.
+/// Flexible GMRES (Saad 1993) without restart, from x = 0. The preconditioner may itself be an iteration. Vectors and
+/// functions are as for reduce_residual.
 template <class Apply, class Precondition>
 GmresReport flexible_gmres(const Domain& domain, Apply&& apply, Precondition&& precondition, std::span<const double> b,
                            std::span<double> x, double tolerance, int limit) {

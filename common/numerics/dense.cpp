@@ -19,7 +19,7 @@ bool all_eigenvalues_above(const Eigen::Matrix<double, N, N>& a, double bound) {
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double independent) {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
   qr.setThreshold(independent);
-  if (qr.rank() == a.cols()) return qr.solve(b);  // with full rank the threshold does not matter
+  if (qr.rank() == a.cols()) return qr.solve(b);  // with full rank, the threshold does not matter
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> complete;
   complete.setThreshold(independent);
   return complete.compute(a).solve(b);

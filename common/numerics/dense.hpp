@@ -1,4 +1,4 @@
-// Small dense systems, compiled in one place: instantiating Eigen's decompositions takes the compiler seconds.
+// Small dense systems. They are compiled in one place, since instantiating Eigen's decompositions takes seconds.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,13 +9,13 @@ namespace poretwin {
 template <int N>
 Eigen::Matrix<double, N, 1> solve_symmetric(const Eigen::Matrix<double, N, N>& a, const Eigen::Matrix<double, N, 1>& b);
 
-/// Whether all eigenvalues of a symmetric matrix of N = 3 or 4 rows exceed a bound; from the inertia of A - bound I
-/// (Sylvester's law).
+/// Whether all eigenvalues of a symmetric matrix of N = 3 or 4 rows exceed a bound. This follows from the inertia of A
+/// - bound I (Sylvester's law).
 template <int N>
 bool all_eigenvalues_above(const Eigen::Matrix<double, N, N>& a, double bound);
 
 /// The shortest x that minimises |A x - b|, by Householder's QR with pivots. Pivots below `independent` times the
-/// largest count as zero.
+/// largest pivot count as zero.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double independent);
 
 /// The shortest x that minimises |A x - b|, by a complete orthogonal decomposition.

@@ -1,4 +1,4 @@
-// Sparse rows of unsymmetric matrices, and incomplete factors of them as a preconditioner.
+// Sparse rows of unsymmetric matrices, and their incomplete factors as a preconditioner.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -10,12 +10,12 @@
 
 namespace poretwin {
 
-/// Rows of a matrix, each with its columns in increasing order and its diagonal among them.
+/// Rows of a matrix. Each row has its columns in increasing order, including the diagonal.
 class SparseRows {
  public:
   SparseRows() = default;
-  /// The matrix of n rows with off-diagonal entries at these (row, column) places, each given once, in any order; all
-  /// values are zero.
+  /// The matrix of n rows with off-diagonal entries at these (row, column) places. Each place is given once, in any
+  /// order. All values are zero.
   SparseRows(std::size_t n, std::vector<std::pair<Index, Index>> places) {
     for (std::size_t a = 0; a < n; ++a) places.emplace_back(static_cast<Index>(a), static_cast<Index>(a));
     std::sort(places.begin(), places.end());
@@ -32,11 +32,11 @@ class SparseRows {
   [[nodiscard]] std::size_t size() const { return diagonal_.size(); }
   [[nodiscard]] Index begin(std::size_t row) const { return offset_[row]; }
   [[nodiscard]] Index end(std::size_t row) const { return offset_[row + 1]; }
-  [[nodiscard]] Index diagonal(std::size_t row) const { return diagonal_[row]; }  ///< its place
+  [[nodiscard]] Index diagonal(std::size_t row) const { return diagonal_[row]; }  ///< place of the diagonal entry
   [[nodiscard]] Index column(Index place) const { return column_[place]; }
   [[nodiscard]] double& operator[](Index place) { return value_[place]; }
   [[nodiscard]] double operator[](Index place) const { return value_[place]; }
-  /// The position of an entry that exists.
+  /// The place of an entry that exists.
   [[nodiscard]] Index place(std::size_t row, Index column) const {
     return static_cast<Index>(
         std::lower_bound(column_.begin() + offset_[row], column_.begin() + offset_[row + 1], column) - column_.begin());
@@ -58,13 +58,13 @@ class SparseRows {
 };
 
 /// Incomplete triangular factors with the sparsity of the matrix (Meijerink & van der Vorst 1977). They exist for an
-/// M-matrix, as fluxes with upstream conductivities give; for a tridiagonal matrix they are exact.
+/// M-matrix, such as that of fluxes with upstream conductivities. For a tridiagonal matrix they are exact.
 class Ilu0 {
  public:
   explicit Ilu0(const SparseRows& matrix) : factors_(matrix) {
     const std::size_t n = factors_.size();
     constexpr Index none = static_cast<Index>(-1);
-    std::vector<Index> place(n, none);  // positions of the present row's columns
+    std::vector<Index> place(n, none);  // places of the present row's columns
     for (std::size_t a = 0; a < n; ++a) {
       for (Index k = factors_.begin(a); k < factors_.end(a); ++k) place[factors_.column(k)] = k;
       for (Index k = factors_.begin(a); k < factors_.diagonal(a); ++k) {

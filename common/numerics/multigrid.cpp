@@ -5,16 +5,16 @@
 namespace poretwin {
 namespace {
 
-/// Rows whose diagonal exceeds the sum of their weights by this factor (fixed pressures) need no coarse correction.
+/// Rows (of fixed pressures) with a diagonal above this factor times the sum of weights need no coarse correction.
 constexpr double dominance = 5.0;
-/// Least weight of a neighbour that may be paired with a row, over the row's largest weight.
+/// Least weight between a row and a neighbour with which it may be paired, over the row's largest weight.
 constexpr double strong = 0.25;
 constexpr std::size_t coarsest = 40;
 constexpr Index none = static_cast<Index>(-1);
-/// Residual of a coarse solution, relative, below which it gets no second step.
+/// Residual over right-hand side at which a coarse solution is accepted without a second step.
 constexpr double good_enough = 0.25;
 
-/// Visits the rows of a matrix: visit(a, take_diagonal, take_entry).
+/// Visits the rows of a matrix by visit(a, take_diagonal, take_entry).
 template <class Matrix>
 struct RowsOf {
   const Matrix& m;
@@ -26,9 +26,9 @@ struct RowsOf {
   }
 };
 
-/// Rows summed over aggregates, each computed when it is visited and not stored: the matrix of pairs, an intermediate
-/// step to aggregates of four, would be the largest of all. Couplings to rows without an aggregate stay in the
-/// diagonal.
+/// A matrix whose rows are sums over aggregates. Each row is computed when it is visited, and not stored: the matrix of
+/// pairs, an intermediate step to aggregates of four, would be the largest of all. Couplings to rows without an
+/// aggregate remain in the diagonal.
 template <class Fine>
 class MergedRows {
  public:
@@ -79,7 +79,7 @@ class MergedRows {
   ScalarArray weight_;
 };
 
-/// Pairs each row with its strongest neighbour that has no pair yet; returns the aggregate of each row.
+/// Pairs each row with its strongest neighbour that is not yet in a pair; returns the aggregate of each row.
 template <class Rows>
 std::vector<Index> match(Rows& rows, Index& count) {
   std::vector<Index> aggregate(rows.size(), none), column;
@@ -135,7 +135,7 @@ WholeMatrix matrix_of(Rows& rows) {
   return c;
 }
 
-/// Gauss-Seidel forwards from x = 0; left: the residual b - A x.
+/// Gauss-Seidel sweep forwards from x = 0. `left`: the residual b - A x.
 void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   std::fill(x.begin(), x.end(), 0.0);
   for (std::size_t a = 0; a < m.size(); ++a)
@@ -144,8 +144,8 @@ void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<do
   for (std::size_t a = 0; a < m.size(); ++a) left[a] = b[a] - left[a];
 }
 
-/// Gauss-Seidel forwards from x = 0; left: the residual b - A x. Each row is solved with the rows before it; those
-/// behind it are still 0, so that its residual consists of their contributions alone.
+/// Gauss-Seidel sweep forwards from x = 0. `left`: the residual b - A x. Each row is solved with the x of the rows
+/// before it. The x of later rows is still 0, so that the residual consists of their contributions alone.
 void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   for (std::size_t a = 0; a < m.size(); ++a) {
     x[a] = m.diagonal(a) > 0.0 ? (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal(a) : 0.0;
@@ -154,14 +154,14 @@ void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<
   }
 }
 
-/// Gauss-Seidel backwards from x.
+/// Gauss-Seidel sweep backwards from x.
 void sweep_backwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double>) {
   for (std::size_t a = m.size(); a-- > 0;)
     if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal[a];
 }
 
-/// Gauss-Seidel backwards from x; left: the change of x. Until a row is reached, its element of `left` collects what
-/// the changes of the rows behind it contribute to its balance.
+/// Gauss-Seidel sweep backwards from x. `left`: the change of x. Until the sweep reaches a row, the row's element of
+/// `left` collects the contributions of the changes in later rows to its balance.
 void sweep_backwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   std::fill(left.begin(), left.end(), 0.0);
   for (std::size_t a = m.size(); a-- > 0;) {
@@ -195,7 +195,7 @@ CoarseMatrix::CoarseMatrix(const WholeMatrix& whole) : diagonal_(whole.diagonal)
 
 template <class Matrix>
 bool Multigrid::add_level(const Matrix& m, WholeMatrix& next) {
-  // Pairs of pairs give aggregates of four.
+  // Pairing the pairs once more gives aggregates of four.
   Index n_pairs = 0, count = 0;
   RowsOf<Matrix> rows{m};
   std::vector<Index> aggregate = match(rows, n_pairs);
@@ -213,7 +213,7 @@ bool Multigrid::add_level(const Matrix& m, WholeMatrix& next) {
   return true;
 }
 
-/// Inverts the coarsest matrix. In a closed domain the mean is undetermined: then only on the matrix's range.
+/// Inverts the coarsest matrix; in a closed domain, where the mean is undetermined, only on the range of the matrix.
 template <class Matrix>
 void Multigrid::invert(const Matrix& m) {
   if (m.size() > 10 * coarsest) return;
@@ -267,15 +267,15 @@ void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double
   sweep_backwards(m, b, x, left);
 }
 
-/// Computes l.x from l.b on the next level: one step of conjugate gradients preconditioned by its cycle, and a second
-/// where one does not suffice.
+/// Computes l.x from l.b on the next level: one step of conjugate gradients, preconditioned by the cycle of that level,
+/// and a second step where one does not suffice.
 void Multigrid::correct(std::size_t level) {
   Level& l = levels_[level];
   const CoarseMatrix& m = l.coarse;
   cycle(m, level + 1, l.b, l.x, l.left);
   if (level + 1 == levels_.size()) return;
-  // A x for the x that the last cycle computed from b: its backward sweep solved row a exactly, then changed the rows
-  // before it by l.left.
+  // A x of the x that the last cycle computed from b: its backward sweep solved row a exactly and then changed the x of
+  // the rows before it by l.left.
   const auto product = [&](std::size_t a, double b) {
     return m.diagonal(a) > 0.0 ? b - m.off_diagonal_sum(a, l.left.data()) : 0.0;
   };

@@ -9,7 +9,7 @@
 
 namespace poretwin {
 
-/// A matrix in compressed rows from which a level is made; the signs of its entries are those of a PairMatrix.
+/// A matrix in compressed rows from which a level is made. Its entries have the same signs as those of a PairMatrix.
 struct WholeMatrix {
   std::vector<Index> offset{0}, index;
   ScalarArray weight, diagonal;
@@ -19,10 +19,10 @@ struct WholeMatrix {
   [[nodiscard]] Index column(std::size_t, std::size_t k) const { return index[k]; }
 };
 
-/// The matrix of a level below the finest, symmetric: of each row only the entries before the diagonal are stored.
-/// Products with the entries behind it are added by the later rows (push), so that a sweep reads half the matrix;
-/// reading dominates the cost of large ones. Weights are rounded to single precision, and the diagonal with them, as in
-/// a PairMatrix.
+/// The matrix of a level below the finest. It is symmetric: only the entries before the diagonal are stored for each
+/// row. Products with the entries after the diagonal are added by the later rows (push), so that a sweep reads half the
+/// matrix; reading dominates the cost for large matrices. Weights are rounded to single precision, and the diagonal
+/// accordingly, as in a PairMatrix.
 class CoarseMatrix {
  public:
   CoarseMatrix() = default;
@@ -43,33 +43,33 @@ class CoarseMatrix {
   }
 
  private:
-  static constexpr std::size_t in_step = 4;  ///< rows are padded with zeros to a multiple of it
+  static constexpr std::size_t in_step = 4;  ///< rows are padded with zeros to a multiple of this
   std::vector<Index> offset_{0}, column_;
   std::vector<float> weight_;
   ScalarArray diagonal_;
 };
 
-/// One cycle serves as a preconditioner: Gauss-Seidel forwards, a correction that is constant on each aggregate of
-/// about four unknowns (the coarse space), Gauss-Seidel backwards. The system for these constants is solved by at most
-/// two steps of conjugate gradients with a cycle of the next level as preconditioner. Memory is allocated in the
-/// constructor, none in a cycle. The matrix must outlive this object.
+/// One cycle is a preconditioner: Gauss-Seidel forwards, a correction that is constant on each aggregate of about four
+/// unknowns (the coarse space), Gauss-Seidel backwards. The system for these constants is solved by at most two steps
+/// of conjugate gradients with a cycle of the next level as preconditioner. All memory is allocated in the constructor.
+/// The matrix must outlive this object.
 class Multigrid {
  public:
   explicit Multigrid(const PairMatrix& matrix);
-  /// z = approximately A^-1 r. Slightly nonlinear in r: needs flexible conjugate gradients.
+  /// z is approximately A^-1 r. It is slightly nonlinear in r, and so needs flexible conjugate gradients.
   void cycle(std::span<const double> r, std::span<double> z);
   [[nodiscard]] std::size_t levels() const { return levels_.size(); }
 
  private:
   struct Level {
-    std::vector<Index> aggregate;  ///< aggregate of each row; none: left to the smoother
+    std::vector<Index> aggregate;  ///< aggregate of each row; none: only the smoother treats it
     CoarseMatrix coarse;           ///< matrix of the next level
     ScalarArray b, x;              ///< right-hand side and solution of the next level
     ScalarArray v, d, r;
-    ScalarArray left;  ///< its residual after the forward sweep; then what the backward sweep changed
+    ScalarArray left;  ///< residual after the forward sweep; then the changes by the backward sweep
   };
-  /// Adds a level below m. Its matrix becomes `next`, which may be m itself. Returns false, with `next` unchanged,
-  /// where the new level would hardly be smaller.
+  /// Adds a level below m. The new level's matrix becomes `next`, which may be m itself. Returns false, with `next`
+  /// unchanged, if the new level would hardly be smaller.
   template <class Matrix>
   bool add_level(const Matrix& m, WholeMatrix& next);
   template <class Matrix>
@@ -82,7 +82,7 @@ class Multigrid {
   const PairMatrix& finest_;
   ScalarArray left_;  ///< of the finest level; see Level::left
   std::vector<Level> levels_;
-  Eigen::MatrixXd inverse_;  ///< inverse of the coarsest matrix; empty where it is too large
+  Eigen::MatrixXd inverse_;  ///< inverse of the coarsest matrix; empty if that is too large
 };
 
 }  // namespace poretwin

@@ -15,7 +15,7 @@ FrameFile::FrameFile(const std::filesystem::path& path) : path_(path), file_(hdf
   times_ = file_.read_numbers("VTKHDF/Steps/Values");
   points_ = file_.read_integers("VTKHDF/NumberOfPoints");
   first_ = file_.read_integers("VTKHDF/Steps/PointOffsets");
-  // A frame counts once NSteps counts it: its data were written before.
+  // A frame is complete once NSteps counts it, since its data were written before.
   const auto whole = file_.attribute_integers("VTKHDF/Steps", "NSteps").front();
   const std::size_t steps = std::min({static_cast<std::size_t>(whole), times_.size(), points_.size(), first_.size()});
   times_.resize(steps);

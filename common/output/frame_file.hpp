@@ -12,7 +12,7 @@ namespace poretwin {
 
 class FrameFile {
  public:
-  /// Throws FileError where the file cannot be read or is not one of VtkHdfWriter's.
+  /// Throws FileError if the file cannot be read or was not written by VtkHdfWriter.
   explicit FrameFile(const std::filesystem::path& path);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Times of the frames [s], ascending.
@@ -22,14 +22,14 @@ class FrameFile {
   /// Three coordinates of each particle [m].
   [[nodiscard]] std::vector<double> positions(std::size_t frame) const;
   [[nodiscard]] bool has(const std::string& field) const;
-  /// All components of each particle, one particle after the other. Throws FileError where there is no such field.
+  /// All components of each particle, one particle after the other. Throws FileError if there is no such field.
   [[nodiscard]] std::vector<double> values(const std::string& field, std::size_t frame) const;
 
  private:
   std::filesystem::path path_;
   hdf5::File file_;
   std::vector<double> times_;
-  std::vector<std::int64_t> points_, first_;  ///< of each frame: its number of particles, its first row
+  std::vector<std::int64_t> points_, first_;  ///< of each frame: number of its particles, its first row
 };
 
 /// The index of the time nearest to `time`; `times` must not be empty.

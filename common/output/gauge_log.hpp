@@ -22,7 +22,7 @@ class GaugeLog {
  public:
   /// Creates the file with its header `time_s,gauge,value,unit`. Throws FileError.
   explicit GaugeLog(const std::filesystem::path& path);
-  /// Continues the file from the position that archive() saved; later rows are removed. Throws FileError.
+  /// Continues the file from the position that archive() saved. Later rows are removed. Throws FileError.
   GaugeLog(const std::filesystem::path& path, Archive& checkpoint);
   /// Saves or restores the length of the file.
   void archive(Archive& archive) { archive(bytes_); }
@@ -40,7 +40,7 @@ class GaugeLog {
   std::uint64_t bytes_ = 0;  ///< length of the file
 };
 
-/// Reads what GaugeLog wrote. Throws FileError naming path and line.
+/// Reads a file that GaugeLog wrote. Throws FileError with path and line.
 std::map<std::string, GaugeSeries> read_gauges(const std::filesystem::path& path);
 
 /// Merges several logs into one, ordered by time. Missing sources are skipped.

@@ -34,9 +34,9 @@ std::string cause() {
   return text.empty() ? "no cause given" : text;
 }
 
-/// The system's message where a write to the file has failed: the library's error stack may name only a later failure.
+/// The system's message on the first failed write to the file: the library's error stack may name a later failure only.
 std::string cause_at(Id::Value object) {
-  const std::string told = cause();  // before the stack forgets it
+  const std::string told = cause();  // must precede the next call, which clears the stack
   const std::string lost = object >= 0 ? undo_failure(object) : std::string();
   return lost.empty() ? told : lost;
 }
@@ -108,7 +108,7 @@ void File::group(const std::string& name) {
                         "creating group " + name);
 }
 
-/// Cache settings for one chunk: appending needs only the last chunk of a data set; the library's default is 1 MB each.
+/// Cache settings for one chunk: appending needs only the last chunk of a data set; the default cache is 1 MB for each.
 Id File::cache_of_a_chunk(const std::string& action) const {
   constexpr std::size_t bytes = std::size_t{1} << 17;
   Id access = check(H5Pcreate(H5P_DATASET_ACCESS), close_properties, action);

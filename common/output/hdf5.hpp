@@ -1,5 +1,5 @@
-// A small wrapper of HDF5: handles that close themselves, errors as FileError with path and cause, no error stack on
-// stderr. Only hdf5.cpp and undo_driver.cpp include the library's header.
+// A small wrapper of HDF5: handles close themselves, errors become FileError with path and cause, and HDF5 prints no
+// error stack on stderr. Only hdf5.cpp and undo_driver.cpp include the library's header.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class Id {
   Close close_ = nullptr;
 };
 
-/// A chunked, compressed array that grows by rows: rank 1 with `columns` = 0, else rank 2.
+/// A chunked, compressed array that grows by rows. Its rank is 1 with `columns` = 0, otherwise 2.
 class Dataset {
  public:
   Dataset() = default;
@@ -61,7 +61,7 @@ class File {
   /// Creates a group and its parents.
   void group(const std::string& name);
   Dataset dataset(const std::string& name, Type type, std::size_t columns, std::size_t chunk_rows);
-  /// An existing data set, cut off after `rows`. Throws FileError when it has fewer.
+  /// An existing data set, cut off after `rows`. Throws FileError if the data set has fewer rows.
   Dataset cut_dataset(const std::string& name, std::size_t rows);
   void remove(const std::string& name);  ///< a group or data set
 
@@ -79,13 +79,13 @@ class File {
   [[nodiscard]] std::vector<std::string> names(const std::string& group) const;
   [[nodiscard]] std::vector<std::size_t> shape(const std::string& dataset) const;
   [[nodiscard]] std::vector<double> read_numbers(const std::string& dataset) const;
-  /// The rows [first, first + count) of a data set, one after the other. Throws FileError where it has fewer.
+  /// The rows [first, first + count) of a data set, row after row. Throws FileError if the data set has fewer rows.
   [[nodiscard]] std::vector<double> read_rows(const std::string& dataset, std::size_t first, std::size_t count) const;
   [[nodiscard]] std::vector<std::int64_t> read_integers(const std::string& dataset) const;
   [[nodiscard]] std::string read_text(const std::string& dataset) const;
   [[nodiscard]] std::string attribute_text(const std::string& object, const std::string& name) const;
   [[nodiscard]] std::vector<std::int64_t> attribute_integers(const std::string& object, const std::string& name) const;
-  /// Whether the data set in the file holds 64-bit floats (or integers).
+  /// Whether the data set in the file contains 64-bit floats (otherwise integers).
   [[nodiscard]] bool is_float64(const std::string& dataset) const;
 
  private:

@@ -1,4 +1,4 @@
-// Where a driver records the frames and gauges of a phase: files in a run folder, or memory in a test.
+// The object to which a driver writes frames and gauges of a phase: files in a run folder, or memory in a test.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -15,10 +15,10 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
   virtual ~Recorder() = default;
-  /// Appends one frame. It is durable when this returns: a later crash leaves it readable. Throws FileError.
+  /// Appends one frame. It is durable when the function returns: a later crash leaves it readable. Throws FileError.
   virtual void frame(const OutputFrame& frame) = 0;
   virtual void gauges(double time, const std::vector<GaugeReading>& readings) = 0;
-  /// Saves or restores, for a checkpoint, the length of the output. Before saving, the output is made durable; after
+  /// Saves or restores, for a checkpoint, the length of the output. Before saving, the output is made durable. After
   /// restoring, later output is removed.
   virtual void archive(Archive& archive) = 0;
   /// Files written so far, for the summary.

@@ -57,7 +57,7 @@ class RunRecorder final : public Recorder {
   }
 
   ~RunRecorder() override {
-    // The CSV already holds every reading: a failure here loses no data, and a destructor must not throw.
+    // The CSV already contains every reading, so that a failure here loses no data; and a destructor must not throw.
     try {
       if (writer_) write_gauges();
     } catch (const std::exception& error) {

@@ -11,8 +11,8 @@
 
 namespace poretwin {
 
-/// Creates the folder and the files; replaces files of the same names, unless `to_resume`: then they stay until a
-/// checkpoint is loaded. When the recorder is destroyed, the gauge readings are added to the HDF5 file (/gauges).
+/// Creates the folder and the files. Replaces files of the same names, unless `to_resume` is set: then they stay until
+/// a checkpoint is loaded. When the recorder is destroyed, it adds the gauge readings to the HDF5 file (/gauges).
 /// Throws FileError.
 std::unique_ptr<Recorder> make_run_recorder(const std::filesystem::path& out_dir, const std::string& phase_name,
                                             const Case& scene, bool to_resume = false);

@@ -21,11 +21,11 @@
 namespace poretwin::hdf5 {
 namespace {
 
-// FILE.undo holds the length of FILE at the last flush, then pieces (position, length, the bytes that were there) in
-// the order of writing. A piece that is incomplete was not overwritten yet. The first piece has no bytes; its position
-// is the stamp (time) of that flush. Between two writes FILE.undo is empty and its modification time is the stamp. A
-// reader that finds the same stamp before and after reading both files has the state of that flush, even while FILE is
-// being written (docs/view.md).
+// FILE.undo contains the length of FILE at the last flush, then pieces (position, length, the bytes that were there) in
+// the order of writing. The bytes of an incomplete piece have not been overwritten yet. The first piece has no bytes:
+// its position is the stamp (time) of that flush. Before the first write after a flush, FILE.undo is empty and its
+// modification time is the stamp. A reader that finds the same stamp before and after it reads both files has the state
+// of that flush, even while FILE is being written (docs/view.md).
 
 std::string undo_of(const std::string& path) { return path + ".undo"; }
 
@@ -95,7 +95,7 @@ bool undo_all(int file, int undo) {
 }
 
 struct UndoFile {
-  H5FD_t general{};  // must be the first member: the library knows only this part
+  H5FD_t general{};  // must be the first member: the library knows only this part of the struct
   std::string path;
   int file = -1, undo = -1;
   std::uint64_t address_end = 0, end = 0;  ///< end of the allocated addresses; end of the file
@@ -104,11 +104,11 @@ struct UndoFile {
   std::uint64_t undo_end = 0;              ///< 0: nothing to undo
   bool writable = false;
   std::string failure;  ///< message of the first failed write; empty: none
-  // The driver hides a failed write from the library, which otherwise could not close the file or data set, would try
-  // again when the process ends, and crash. Data written after the failure are kept here for the library to read.
+  // The driver hides a failed write from the library. Otherwise the library could not close the file or data set, and
+  // would retry at the process's end and crash. Data written after the failure are kept here for it to read.
   std::vector<std::pair<std::uint64_t, std::vector<char>>> unwritten;
 
-  /// Saves the bytes in [where, where + size) that a write is about to replace.
+  /// Saves the bytes in [where, where + size), which a write is about to replace.
   bool keep(std::uint64_t where, std::uint64_t size) {
     if (where >= flushed) size = 0;
     size = std::min(size, flushed - std::min(where, flushed));
@@ -148,7 +148,7 @@ struct UndoFile {
   }
 };
 
-// The library passes pointers to its own struct, with which UndoFile begins.
+// The library passes pointers to its own struct, which is the beginning of UndoFile.
 UndoFile& own(H5FD_t* file) { return *reinterpret_cast<UndoFile*>(file); }
 const UndoFile& own(const H5FD_t* file) { return *reinterpret_cast<const UndoFile*>(file); }
 
@@ -191,7 +191,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
 
 herr_t close_file(H5FD_t* general) {
   const std::unique_ptr<UndoFile> file(&own(general));
-  // Undoes what the library could not finish. After a process that died, roll_back() does that.
+  // Undoes what the library could not complete. After a process has died, roll_back() does the same.
   const bool good = file->failure.empty() || undo_all(file->file, file->undo);
   if (file->undo >= 0) {
     ::close(file->undo);

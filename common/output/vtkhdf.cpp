@@ -29,7 +29,7 @@ std::string_view xdmf_type(int components) {
 /// Appends one row.
 void append_one(hdf5::Dataset& data, std::int64_t value) { data.append(std::span<const std::int64_t>(&value, 1)); }
 
-/// Appends `count` rows of `columns` numbers, a chunk at a time; tell(i, numbers) writes row i.
+/// Appends `count` rows of `columns` numbers, a chunk at a time; tell(i, numbers) writes row i to `numbers`.
 template <class Number, class Tell>
 void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, const Tell& tell) {
   const std::size_t rows = std::min(count, particle_chunk / columns);
@@ -41,9 +41,9 @@ void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, co
   }
 }
 
-/// Part of a data set in a form that both of ParaView's readers understand: XDMF3 reads the text
-/// ("start:stride:count:whole"), XDMF2 the items below it. XDMF2 ignores the text; XDMF3 does not know "Hyperslab" and
-/// takes the text alone.
+/// Part of a data set in a form that both ParaView readers understand. XDMF3 reads the text
+/// ("start:stride:count:whole") and does not know "Hyperslab"; XDMF2 reads the items below the text and ignores the
+/// text itself.
 std::string slab(const std::string& file, const std::string& name, const std::string& number_type, std::int64_t first,
                  std::int64_t count, std::int64_t total, int columns) {
   const bool wide = columns > 1;
@@ -52,7 +52,7 @@ std::string slab(const std::string& file, const std::string& name, const std::st
   const std::string stride = wide ? "1 1" : "1";
   const std::string form = fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"HDF\"", number_type);
   const std::string whole = fmt::format("{}:/VTKHDF/{}", file, name);
-  // XDMF3 would divide by zero for an empty part, but accepts an empty text for no rows.
+  // For an empty part, XDMF3 would divide by zero; it accepts an empty text for no rows.
   const std::string own = count > 0
                               ? fmt::format("{}>{}|{}:{}:{}:{}", form, whole, start, stride, size(count), size(total))
                               : fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"XML\">", number_type);
@@ -176,7 +176,7 @@ void VtkHdfWriter::append(const OutputFrame& frame) {
   const auto number = [](std::size_t i, std::int64_t* itself) { *itself = static_cast<std::int64_t>(i); };
   append_rows<double>(points_, n, 3, frame.position);
   append_rows<std::int64_t>(connectivity_, n, 1, number);
-  // Each step has one offset more than cells, even without cells.
+  // Each step has one more offset than it has cells, even without cells.
   append_rows<std::int64_t>(offsets_, n + 1, 1, number);
   append_rows<std::uint8_t>(types_, n, 1, [](std::size_t, std::uint8_t* type) { *type = vtk_vertex; });
   for (std::size_t k = 0; k < columns_.size(); ++k)
@@ -195,7 +195,7 @@ void VtkHdfWriter::append(const OutputFrame& frame) {
   try {
     file_.attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(steps_.size()));
     file_.flush();
-  } catch (...) {  // the data file returns to the frame before; so must the side-car
+  } catch (...) {  // the data file is back at the last frame; so must the side-car be
     steps_.pop_back();
     total_ -= count;
     throw;
@@ -220,8 +220,8 @@ void VtkHdfWriter::write_sidecar() {
     const auto piece = [&](const std::string& name, const char* number_type, int columns) {
       return slab(file, name, number_type, step.first, step.points, total_, columns);
     };
-    // Without this grid, a step without particles would show those of another step; XDMF2 needs a geometry, here of no
-    // rows.
+    // Without this grid, a step without particles would show the particles of another step. XDMF2 needs a geometry,
+    // which has no rows here.
     text += fmt::format(
         "    <Grid Name=\"particles\" GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n"
         "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">\n{}      "

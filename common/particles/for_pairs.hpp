@@ -1,5 +1,5 @@
-// The loop over pairs of particles of all physics. A body computes one pair and does not know of what its numbers
-// consist: it is compiled for single numbers and for four at a time, and called by threads that share the rows.
+// The loop over pairs of particles that all physics uses. A body computes one pair independently of its number type: it
+// is compiled for single numbers and for four at a time. Threads that share the rows call it.
 //
 //   for_pairs<SumsOf<n>::template Row>(rows, inputs, [=](const auto& pair, auto& own) {
 //     using Number = NumberOf<decltype(pair)>;
@@ -9,9 +9,9 @@
 //     own.sum[0] += factor * (point[3] - pair.self[3]);
 //   }, [=](std::size_t i, const auto& own) { result[i] = sum_of_lanes(own.sum[0]); });
 //
-// Functions in place of operators (sqrt_in_place, max_in_place, any, gather, take, put) have a form for each kind of
-// number (common/core/lanes.hpp). Bodies are marked always_inline. They capture plain pointers by value where they
-// write to memory: the compiler assumes that vector stores may change whatever is captured by reference.
+// Functions that replace operators (sqrt_in_place, max_in_place, any, gather, take, put) have a form for each kind of
+// number (common/core/lanes.hpp). Bodies are marked always_inline. Where they write to memory they capture plain
+// pointers by value: the compiler assumes that vector stores may change any object that is captured by reference.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -24,13 +24,13 @@
 
 namespace poretwin {
 
-/// A list in which every pair stands in both rows and acts on the row's particle. Entries of row i: offset[i] ..
+/// A list that contains every pair in both rows, where it acts on the row's particle. Entries of row i: offset[i] ..
 /// offset[i + 1], padded to a multiple of four with i itself, which must contribute nothing.
 struct FullRows {
   static constexpr bool mutual = false;
   const Index *offset, *index;
   std::size_t n;              ///< rows
-  std::size_t worth_threads;  ///< number of rows from which several threads are worth their overhead
+  std::size_t worth_threads;  ///< number of rows from which on several threads are worth their overhead
 
   [[nodiscard]] std::size_t alone(std::size_t i) const { return offset[i]; }
   [[nodiscard]] bool skips(std::size_t) const { return false; }
@@ -43,17 +43,17 @@ struct FullRows {
   }
 };
 
-/// A list in which a pair of two particles stands in one of its two rows and acts on both, up to entry alone(i) of row
-/// i; further entries act on the row's particle only. Both parts of a row are padded as in FullRows. The rows are
-/// divided into parts, one for each thread: a pair across two parts is stored in both, and acts on one particle in
-/// each. Of the rows first .. last - 1 those that are not skipped are visited.
+/// A list that contains a pair of two particles in one of its two rows, up to entry alone(i) of row i, where it acts on
+/// both. Further entries act on the row's particle only. Both parts of a row are padded as in FullRows. The rows are
+/// divided into parts, one for each thread: a pair of two parts is stored in both, and acts on one particle in each. Of
+/// the rows first .. last - 1 those that are not skipped are visited.
 struct HalfRows {
   static constexpr bool mutual = true;
   const Index *offset, *alone_from, *index;
   std::span<const Index> parts;  ///< bounds of the parts
-  std::size_t length;            ///< of the list
+  std::size_t length;            ///< length of the list
   std::size_t first, last;
-  const char* skipped = nullptr;  ///< [rows] 1: not visited; null: all are
+  const char* skipped = nullptr;  ///< [rows] 1: not visited; null: all rows are visited
 
   [[nodiscard]] std::size_t alone(std::size_t i) const { return alone_from[i]; }
   [[nodiscard]] bool skips(std::size_t i) const { return skipped != nullptr && skipped[i] != 0; }
@@ -66,17 +66,17 @@ struct HalfRows {
   }
 };
 
-/// The packed numbers of every point that bodies read: all[j].row(), or plain numbers. Of each point the cache lines
-/// (64 bytes) from_line to to_line - 1 are fetched in advance where the points exceed a core's caches.
+/// The packed numbers of every point that bodies read: all[j].row(), or plain numbers. The cache lines (64 bytes)
+/// from_line to to_line - 1 of each point are fetched in advance if the points exceed a core's caches.
 template <class Packed, std::size_t from_line = 0, std::size_t to_line = 0>
 struct PairInputs {
   const Packed* all;
-  std::size_t n = 0;  ///< number of points; read only where lines are fetched
+  std::size_t n = 0;  ///< number of points; used only where lines are fetched
 };
 template <class Packed>
 PairInputs(const Packed*) -> PairInputs<Packed>;
 
-/// One pair, or four pairs of one row: what a body sees. both: it acts on both particles.
+/// One pair, or four pairs of one row: the argument of a body. both: whether it acts on both particles.
 template <class In, class Packed, bool acts_on_both>
 struct PairAt {
   using Number = typename In::Number;
@@ -107,7 +107,7 @@ struct PairAt {
     const Packed* const points = all;
     return rows_of([points](Index j) __attribute__((always_inline)) { return row_of(points[j]); });
   }
-  /// Adds the first n numbers, a multiple of four, to those of the other particles at sums(j).
+  /// Adds the first n numbers (n: a multiple of four) to the numbers at sums(j) of each other particle j.
   template <std::size_t n, class Sums>
   [[gnu::always_inline]] void give(const Number* theirs, const Sums& sums) const {
     if constexpr (In::width == 1)
@@ -135,8 +135,8 @@ using NumberOf = typename std::remove_cvref_t<Pair>::Number;
 template <class Pair>
 using MaskOf = typename std::remove_cvref_t<Pair>::Mask;
 
-/// What a loop keeps for a row while it goes through its pairs: n sums. Other kinds of rows are made of the particle's
-/// packed numbers in the same way.
+/// What a loop stores for a row during its pairs: n sums. Other kinds of rows are also constructed from the particle's
+/// packed numbers.
 template <std::size_t n>
 struct SumsOf {
   static constexpr std::size_t size = (n + n_lanes - 1) / n_lanes * n_lanes;
@@ -144,12 +144,12 @@ struct SumsOf {
   struct Row {
     typename In::Number sum[size] = {};
     explicit Row(const double*) {}
-    /// Adds the sums to numbers, as many as `size`.
+    /// Adds the sums to `size` numbers.
     [[gnu::always_inline]] void add_to(double* numbers) const { add_lanes<size>(sum, numbers); }
   };
 };
 
-/// Visits the pairs of the rows begin .. end - 1 as numbers of the kind In.
+/// Visits the pairs of the rows begin .. end - 1 with numbers of the kind In.
 template <template <class> class Row, class In, bool fetches, class Rows, class Packed, std::size_t from_line,
           std::size_t to_line, class Body, class Finish>
 [[gnu::always_inline]] inline void visit_rows(const Rows& rows, const PairInputs<Packed, from_line, to_line>& inputs,
@@ -184,8 +184,8 @@ template <template <class> class Row, class In, bool fetches, class Rows, class 
   }
 }
 
-/// For every row: makes Row<In> own, calls body(pair, own) for its pairs, then finish(i, own). Rows are shared by
-/// threads; pairs are taken four at a time, compiled for this machine's vector instructions.
+/// For every row: makes Row<In> own, calls body(pair, own) for its pairs, then finish(i, own). Threads share the rows.
+/// Pairs are taken four at a time, compiled for this machine's vector instructions.
 template <template <class> class Row, class Rows, class Packed, std::size_t from_line, std::size_t to_line, class Body,
           class Finish>
 void for_pairs(const Rows& rows, const PairInputs<Packed, from_line, to_line>& inputs, const Body& body,

@@ -21,8 +21,8 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
     images.carried.push_back(own * carried + 2.0 * plane.speed * plane.normal);
     images.boundaries.push_back(bits | (1u << plane.boundary));
   };
-  // An image shifted out through one periodic side is never shifted back through the other: on the side itself it would
-  // fall on its own original.
+  // An image shifted out through one periodic side is never shifted back through the opposite side: if it lies on that
+  // side, it would coincide with its original.
   std::vector<std::size_t> made_by;
   auto shifted_back = [&](std::size_t k, const ImagePlane<D>& plane) {
     const ImagePlane<D>& maker = planes[made_by[k]];

@@ -1,5 +1,5 @@
 // Images of particles behind straight boundaries: mirrored at walls, shifted at periodic sides. Images are exact for a
-// plane wall and need no dummy particles; at corners, images of images complete them.
+// plane wall and need no dummy particles. Images of images fill corners.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -18,19 +18,19 @@ struct ImagePlane {
   Vec<D> point = Vec<D>::Zero();   ///< any point of the plane [m]
   Vec<D> normal = Vec<D>::Zero();  ///< unit vector, into the domain
   Vec<D> shift = Vec<D>::Zero();   ///< periodic only: translation of the image [m]
-  /// Only particles whose coordinate along `tangent` lies in [from, to] have images; by default (and in 3D) all.
+  /// Only particles whose coordinate along `tangent` lies in [from, to] have images; by default (and in 3D) all do.
   Vec<D> tangent = Vec<D>::Zero();
   double from = 0.0, to = 0.0;
   /// For a corner at which two pieces share the images (meet_at_corners): `at` [m] is a point of the plane that divides
-  /// them, `out` its normal. This piece makes no image at x with out . (x - at) > 0. At any other end out = 0.
+  /// the images, `out` its normal. This piece makes no image at x with out . (x - at) > 0. At any other end out = 0.
   struct End {
     Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();
   };
   std::array<End, 2> ends{};
   double speed = 0.0;  ///< m/s, of a moving mirror (a piston) along its normal
   int boundary = 0;    ///< number of the boundary in the solver, 0..31
-  /// For points that see only what no wall hides (sight.hpp): number of the wall piece as a screen, the same for both
-  /// of its sides; -1: it is no screen. seen_from, seen_to: its own extent along `tangent` [m].
+  /// For points whose sight walls block (sight.hpp): number of the wall piece as a screen, the same for both of its
+  /// sides; -1: the piece is no screen. seen_from, seen_to: extent of the screen along `tangent` [m].
   int screen = -1;
   double seen_from = 0.0, seen_to = 0.0;
   bool back = false, taken = false;  ///< back: far side of a line; taken: its start belongs to the piece before it
@@ -43,28 +43,28 @@ struct ImagePlane {
   }
 };
 
-/// Images in the order in which they are made. parent: index of the real particle. Velocity of an image: map v +
-/// carried; other vectors: map v.
+/// Images in the order in which they are made. parent: index of the real particle. The velocity of an image is map v +
+/// carried; other vectors are map v.
 template <int D>
 struct Images {
   VecArray<D> position;
   std::vector<Index> parent;
   MatArray<D> map;
   VecArray<D> carried;                    ///< m/s, from moving mirrors
-  std::vector<std::uint32_t> boundaries;  ///< bit b is set where boundary b took part
-  /// Only from images_in_all_orders(): the plane that made an image, and the point or image of which it was made
-  /// (images are numbered after the points).
+  std::vector<std::uint32_t> boundaries;  ///< bit b is set if boundary b took part
+  /// Only from images_in_all_orders(): the plane that made an image, and the point or image from which it was made (the
+  /// numbers of images follow those of the points).
   std::vector<Index> by, of;
   [[nodiscard]] std::size_t size() const { return parent.size(); }
 };
 
-/// Images of all points within `range` [m] of a plane, on its inner side. The planes are taken in turn, so that corners
-/// are filled by images of images.
+/// Images of all points within `range` [m] of a plane, on its inner side. The planes are treated one after the other,
+/// so that images of images fill corners.
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
-/// Mirrors a point back that passed through a mirror (where the mirror has an end: by less than `reach` [m]) and moves it
-/// by `reach` at most; removes its velocity [m/s] towards the mirror, relative to it.
+/// Mirrors a point back that passed through a mirror (if the mirror has an end: by less than `reach` [m]) and moves it
+/// at most by `reach`. Removes its velocity [m/s] towards the mirror, relative to the mirror.
 template <int D>
 void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x, Vec<D>& v) {
   for (const auto& plane : planes) {

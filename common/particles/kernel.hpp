@@ -1,4 +1,4 @@
-// Smoothing kernels. Dimension is a template parameter; support radius is 2 h for both.
+// Smoothing kernels. The dimension is a template parameter. The support radius of both kernels is 2 h.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@ namespace poretwin::sph {
 /// Radius of support in units of the smoothing length.
 inline constexpr double support_radius = 2.0;
 
-/// Cubic spline (Monaghan & Lattanzio 1985), the paper's kernel for Eq. (47).
+/// Cubic spline (Monaghan & Lattanzio 1985), the kernel of Bui & Nguyen (2017) for Eq. (47).
 template <int D>
 struct CubicSpline {
   static constexpr double normalisation(double h) {
@@ -33,7 +33,7 @@ struct CubicSpline {
   }
 };
 
-/// Wendland C2 (Wendland 1995), free of pairing: the default.
+/// Wendland C2 (Wendland 1995), which causes no pairing of particles; the default.
 template <int D>
 struct WendlandC2 {
   static_assert(D == 2 || D == 3);

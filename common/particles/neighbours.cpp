@@ -27,7 +27,7 @@ void CellGrid<D>::build(std::span<const Vec<D>> points, double cell_size) {
     VecArray<D> lowers(parts, points[0]), uppers(parts, points[0]);
     ScalarArray doubt(parts, 0.0);
     for_each_part(parts, [&](std::size_t part) {
-      Vec<D> least = points[0], most = points[0];  // own variables: memory shared between threads is slow to write
+      Vec<D> least = points[0], most = points[0];  // local, since writing to memory that threads share is slow
       double sum = 0.0;
       for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
         least = least.cwiseMin(points[i]);
@@ -47,7 +47,7 @@ void CellGrid<D>::build(std::span<const Vec<D>> points, double cell_size) {
     }
     for (int d = 0; d < D; ++d) extent[static_cast<std::size_t>(d)] = upper[d] - lower_[d];
   }
-  // One point far away must not enlarge the grid without limit: cells grow until there are at most 4 per point.
+  // One point far away must not enlarge the grid without limit: cells are enlarged until there are at most 4 per point.
   size_ = cell_size;
   const double limit = 4.0 * static_cast<double>(points.size()) + 64.0;
   for (;;) {
@@ -61,7 +61,7 @@ void CellGrid<D>::build(std::span<const Vec<D>> points, double cell_size) {
     count_[d] = static_cast<int>(std::floor(extent[d] / size_)) + 1;
     n_cells *= static_cast<std::size_t>(count_[d]);
   }
-  // Points are counted by parts, so that all parts sort at the same time and points of a cell stay in order.
+  // Points are counted by parts: then all parts can sort at the same time, and points of a cell keep their order.
   cell_of_.resize(n);
   std::vector<std::vector<Index>> next(parts);
   for_each_part(parts, [&](std::size_t part) {
@@ -87,7 +87,7 @@ void CellGrid<D>::build(std::span<const Vec<D>> points, double cell_size) {
     for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i)
       order_[next[part][cell_of_[i]]++] = static_cast<Index>(i);
   });
-  cell_of_ = std::vector<Index>();  // "= {}" would keep its memory
+  cell_of_ = std::vector<Index>();  // assigning {} would not free its memory
   for (std::size_t d = 0; d < D; ++d) {
     axis_[d].resize(n + n_lanes);
     parallel_for(n, [&](std::size_t m) { axis_[d][m] = points[order_[m]][static_cast<int>(d)]; });

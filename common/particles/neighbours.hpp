@@ -17,7 +17,7 @@ namespace poretwin::sph {
 template <int D>
 class CellGrid {
  public:
-  /// cell_size [m]: about the search radius, or half of it. Points may lie anywhere. Throws DivergedError where a
+  /// cell_size [m]: about the search radius, or half of it. Points may lie anywhere. Throws DivergedError if a
   /// coordinate is not finite.
   void build(std::span<const Vec<D>> points, double cell_size);
 
@@ -25,7 +25,7 @@ class CellGrid {
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
     const double limit = radius * radius;
-    // Few points of a row are near: all distances are computed first, without branches.
+    // Few points of a row are near: hence all distances are computed first, without branches.
     constexpr Index batch = 64;
     std::array<Index, batch> near;
     std::array<double, batch> distance;
@@ -48,14 +48,14 @@ class CellGrid {
     });
   }
 
-  /// Calls f(begin, end) for ranges of order() that together hold all points in the box, and some around it.
+  /// Calls f(begin, end) for ranges of order(). Together the ranges contain all points in the box, and some around it.
   template <class F>
   void for_each_piece_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     for_each_row(lower, upper, f);
   }
 
   /// Appends every point j with |x - x_j| < radius for which admit(j, squared distance) is true. Distances are computed
-  /// by lanes and without a branch on them, which would often be mispredicted. Inlined into the jobs of run_lanes().
+  /// in lanes and without branches, which would often be mispredicted. Inlined into the jobs of run_lanes().
   template <class Admit>
   [[gnu::always_inline]] inline void append_within(const Vec<D>& x, double radius, std::vector<Index>& found,
                                                    const Admit& admit) const {
@@ -95,7 +95,7 @@ class CellGrid {
   }
 
  private:
-  /// Calls f(begin, end) with the range in order_ of each row of cells in the box; the cells of a row are contiguous.
+  /// Calls f(begin, end) with the range in order_ of each row of cells in the box. The cells of a row are contiguous.
   template <class F>
   [[gnu::always_inline]] inline void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     if (order_.empty()) return;
@@ -144,7 +144,7 @@ class CellGrid {
   std::vector<Index> cell_of_;
 };
 
-/// Neighbours of every target among the sources, compressed rows: of target a, index[offset[a] .. offset[a+1]).
+/// Neighbours of every target among the sources, in compressed rows: of target a, index[offset[a] .. offset[a+1]).
 struct PairList {
   std::vector<Index> offset{0};
   std::vector<Index> index;
@@ -154,8 +154,8 @@ struct PairList {
   }
 };
 
-/// All pairs (a, j) with |x_a - y_j| < radius_j (the source's radius), sources in ascending order. exclude_self leaves
-/// out the pairs (a, a); the targets must then be the first of the sources.
+/// All pairs (a, j) with |x_a - y_j| < radius_j (the source's radius), with sources in ascending order. exclude_self
+/// leaves out the pairs (a, a); the targets must then be the first of the sources.
 template <int D>
 PairList find_pairs(std::span<const Vec<D>> targets, std::span<const Vec<D>> sources, std::span<const double> radius,
                     bool exclude_self = false);

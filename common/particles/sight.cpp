@@ -5,8 +5,8 @@
 namespace poretwin::sph {
 namespace {
 
-/// Coordinate along the plane at which the line from x to y crosses it, given the distances of x and y from the plane;
-/// the same to the last bit with x and y exchanged.
+/// Coordinate along the plane at which the line from x to y crosses it, given the distances of x and y from the plane.
+/// Exchanging x and y gives the same result to the last bit.
 template <int D>
 double crossing(const ImagePlane<D>& plane, const Vec<D>& x, const Vec<D>& y, double from, double to) {
   const double sum = from + to;
@@ -39,7 +39,7 @@ Images<D> images_in_all_orders(std::span<const Vec<D>> points, std::span<const I
   };
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t i = 0; i < points.size(); ++i) add(p, points[i], i, nullptr);
-  // Two mirrors make images of each other's images only where each lies in front of the other.
+  // Two mirrors reflect each other's images only if each of them lies in front of the other.
   const auto before = [&](const ImagePlane<D>& seen, const ImagePlane<D>& mirror) {
     for (const double along : {seen.seen_from, seen.seen_to})
       if (mirror.normal.dot(seen.at(along) - mirror.point) > 1e-6 * range) return true;
@@ -117,9 +117,9 @@ bool Sight<D>::sees(const Vec<D>& x, Index j, std::size_t n_base, std::span<cons
     const double along = crossing(plane, here, target, std::abs(from), std::abs(to));
     if (along < plane.seen_from + (plane.taken ? slack_ : -slack_) || along > plane.seen_to + slack_) return false;
     const Vec<D> foot = plane.at(along);
-    // At a corner both orders of its mirrors give an image; only one counts.
+    // At a corner, both orders of the two mirrors give an image; only one of the two counts.
     if (thrown && (foot - here).squaredNorm() < 1e4 * slack_ * slack_ && last > mirror) return false;
-    // Stops slightly before the wall, on the side of the line of sight: other walls may end there.
+    // The path stops slightly before the wall, on the side from which it comes: other walls may end there.
     const Vec<D> back = here - foot;
     const double way = back.norm();
     const Vec<D> turn = foot + slack_ * plane.normal + (way > 10.0 * slack_ ? 10.0 * slack_ / way : 0.0) * back;

@@ -23,7 +23,7 @@ double basin_level(const Series& area, double volume) {
         continue;
       }
     }
-    // A y + slope y^2 / 2 = rest, solved for y in a form without cancellation.
+    // Solves A y + slope y^2 / 2 = rest for y, in a form without cancellation.
     return z + 2.0 * rest / (A + std::sqrt(std::max(0.0, A * A + 2.0 * slope * rest)));
   }
 }
@@ -48,8 +48,8 @@ void Basin::check(double time, const FaceState& state) const {
       face_, state.level, time, crest_, why_not_over_));
 }
 
-/// The longest window in which the level moves by at most the allowed rise, both at the present inflow and at that of
-/// the table, which may begin or increase in the window.
+/// The longest window in which the level moves by at most the allowed rise, both at the present inflow and at the
+/// inflow of the table, which may begin or increase within the window.
 TimeLimit Basin::limit(double now, const AllowedChange& allowed, const FaceState& state) const {
   const double room = allowed.rise * area_.at(state.level), inflow = std::abs(inflow_.at(now));
   double longest = inflow > 0.0 ? std::min(allowed.longest, room / inflow) : allowed.longest;

@@ -1,4 +1,4 @@
-// A reservoir whose level follows from its inflow and from what passes the face.
+// A reservoir whose level follows from its inflow and from the volume that passes the face.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"
@@ -8,8 +8,8 @@ namespace poretwin::fluid {
 /// Volume [m^D] of a basin up to a level [m]. area: surface area against elevation.
 inline double basin_volume(const Series& area, double level) { return area.integral(area.knots.front().first, level); }
 
-/// Level [m] at a volume [m^D]. The area is linear between the knots and constant above the last. Without water: the
-/// bottom.
+/// Level [m] at a volume [m^D]. The area is linear between the knots and constant above the last knot. Without water
+/// the level is the bottom.
 double basin_level(const Series& area, double volume);
 
 class Basin final : public WaterBoundary {
@@ -25,7 +25,7 @@ class Basin final : public WaterBoundary {
     state.supplied += inflow_.integral(time, time + interval);
     state.level = basin_level(area_, state.supplied - passed.before - passed.during);
   }
-  /// Throws DivergedError where the basin stands above the upper end of a face over which it cannot flow.
+  /// Throws DivergedError where the basin's level is above the upper end of a face over which the basin cannot flow.
   void check(double time, const FaceState& state) const override;
   [[nodiscard]] TimeLimit limit(double now, const AllowedChange& allowed, const FaceState& state) const override;
 
@@ -33,7 +33,7 @@ class Basin final : public WaterBoundary {
   Series area_;                      ///< m2 (2D: m), against elevation [m]
   Series inflow_;                    ///< m3/s (2D: m2/s), against time [s]
   double first_level_ = 0.0;         ///< m
-  double crest_ = HUGE_VAL;          ///< m, elevation of the face's upper end, where the basin cannot flow over it
+  double crest_ = HUGE_VAL;          ///< m, elevation of the face's upper end if the basin cannot flow over it
   std::string why_not_over_, face_;  ///< reason why it cannot flow over; the face, for messages
 };
 

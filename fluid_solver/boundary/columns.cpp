@@ -63,15 +63,15 @@ bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c) {
 
 namespace {
 
-/// Whether the flow through a column is part of the pressure solve: in soil at rest that is full of water, and where
-/// drag dominates in soil of one conductivity. Elsewhere the skeleton or inertia carries part of the flow, and the
-/// column moves with the water in front of it.
+/// Whether the pressure solve gives the flow through a column: in soil at rest that is full of water, and where drag
+/// dominates in a case with soil of one conductivity. Elsewhere the skeleton or inertia carries part of the flow, and
+/// the column moves with the water in front of it.
 template <int D>
 bool flow_is_solved_for(const Setup<D>& setup, const State<D>& state, const FaceColumn<D>& c) {
   return state.full || (is_quasi_static<D>(setup, c) && setup.one_soil);
 }
 
-/// The column whose stack moves by what passes this one.
+/// The column whose stack of still water moves by the flow through this column.
 template <int D>
 const FaceColumn<D>& keeper(const State<D>& state, const FaceColumn<D>& c) {
   return c.handed_to < 0 ? c : state.columns[static_cast<std::size_t>(c.handed_to)];
@@ -80,41 +80,41 @@ template <int D>
 FaceColumn<D>& keeper(State<D>& state, FaceColumn<D>& c) {
   return c.handed_to < 0 ? c : state.columns[static_cast<std::size_t>(c.handed_to)];
 }
-/// Mass of a stack per length [kg/m].
+/// Mass of a stack of water per length [kg/m].
 template <int D>
 double per_length(const FaceColumn<D>& c) {
   return c.mass / c.spacing;
 }
 
-/// Adds a volume [m^D] that comes in through a column (negative: goes out).
+/// Adds a volume [m^D] that enters through a column (negative: leaves).
 template <int D>
 void count(FaceColumn<D>& c, ScalarArray& came, double volume) {
   c.passed += volume;
   came[static_cast<std::size_t>(c.face)] += volume;
 }
 
-/// Pressure that drives water in at a column's foot [Pa]: the water's pressure and the suction of the dry ground behind
-/// it.
+/// Pressure that drives water in at a column's foot [Pa]: the sum of the water's pressure and the suction of the dry
+/// ground behind it.
 template <int D>
 double driving_pressure(const Setup<D>& setup, const FaceColumn<D>& c) {
   return std::max(0.0, c.pressure + setup.weight.dot(c.foot - setup.origin)) +
          setup.ground.suction(just_inside<D>(setup.ground, c.foot, c.normal, c.spacing));
 }
 
-/// Water behind a wet face enters dry ground as a sharp front before a particle carries it (Green & Ampt 1911): dz/dt =
-/// (k/n) (H/z + cos) with the front's depth z = offset - spacing/2, and H the sum of the pressure head at the face and
-/// the suction head ahead. The part with H is integrated exactly.
+/// Water behind a wet face enters dry ground as a sharp front (Green & Ampt 1911) before a particle represents it:
+/// dz/dt = (k/n) (H/z + cos), with the front's depth z = offset - spacing/2, the sum H of the pressure head at the face
+/// and the suction head ahead, and cos between gravity and the inward normal. The part with H is integrated exactly.
 template <int D>
 void wet_dry_ground(const Setup<D>& setup, FaceColumn<D>& c, double interval) {
   const auto speed = infiltration_speed<D>(setup, c);
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
-  // No faster than a jet under the driving pressure, suction included: a front can start under suction alone.
+  // At most the speed of a jet under the driving pressure, suction included, since suction alone can start a front.
   const double total = driving_pressure<D>(setup, c);
   const double jet = std::sqrt(2.0 * (total + setup.weight.norm() * c.spacing) / setup.density);
   const double deeper = std::min(
       z + jet * interval, std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
-  // Speed and slope at the window's end, for the particles that take over.
+  // Speed of the front and slope of the pressure at the window's end, for the particles that represent the front later.
   const double depth = std::clamp(deeper, faces::least_front_depth * c.spacing, 0.5 * c.spacing);
   c.speed = std::min(jet, speed.head / depth + std::max(0.0, speed.gravity));
   c.slope = -setup.weight.dot(c.normal) - total / depth;
@@ -147,11 +147,11 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     widest = std::max(widest, 2.0 * points::smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
   typename sph::Sight<D>::Near near;
-  ScalarArray handed(state.columns.size(), 0.0);  // m, motion of a stack by what passes other columns
+  ScalarArray handed(state.columns.size(), 0.0);  // m, motion of each stack by the flow through other columns
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     auto& c = state.columns[i];
     const double speed_before = c.speed;
-    // A column becomes wet or dry when a head reaches or leaves it.
+    // Counts the change of a column that becomes wet or dry because a head reaches or leaves it.
     if (flow_is_solved_for<D>(setup, state, c)) {
       count<D>(c, came, c.share(setup.density) - c.stored);
       c.stored = c.share(setup.density);
@@ -163,7 +163,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
     const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
-    // Beside two adjacent soils, each moves its own columns only.
+    // Where two soils adjoin, only the water of a column's own soil moves it.
     const Stratum* here = setup.ground.strata().size() > 1 && !setup.coupled ? setup.ground.at(probe) : nullptr;
     if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near);
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
@@ -178,7 +178,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
       speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
     if (sum < faces::least_seen) {
-      if (c.handed_to >= 0) continue;  // the front comes from there
+      if (c.handed_to >= 0) continue;  // the front enters from that other column
       const double before = c.offset;
       wet_dry_ground<D>(setup, c, interval);
       if (flow_is_solved_for<D>(setup, state, c))
@@ -199,7 +199,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
   for (std::size_t i = 0; i < state.columns.size(); ++i) state.columns[i].offset += handed[i];
 }
 
-/// Returns k/n times the driving head [m2/s], and k/n times the cosine between gravity and the inward direction [m/s].
+/// Returns k/n times the driving head [m2/s], and k/n times the cosine between gravity and the inward normal [m/s].
 template <int D>
 InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c) {
   const double magnitude = setup.weight.norm();
@@ -207,14 +207,14 @@ InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>&
   if (!here) return {};
   const double gamma = setup.ground.specific_weight(), n = here->fillable_porosity;
   const double total = driving_pressure<D>(setup, c);
-  // The conductivity of Darcy's law with the same discharge, at the gradient of the front half a spacing inside.
+  // The conductivity with which Darcy's law gives the same discharge when the front is half a spacing inside.
   const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
   const double seepage = here->resistance.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * setup.weight.dot(c.normal) / magnitude : 0.0};
 }
 
-/// At a face of soil with air behind it the water's surface is the face itself. Elsewhere in soil the suction of the
-/// dry ground ahead acts on the surface.
+/// At a face of soil with air behind it, the water's surface is the face itself. Elsewhere in soil, the suction of the
+/// dry ground ahead acts on the water's surface.
 template <int D>
 void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) {
   const ColumnFinder<D> finder(state.columns);
@@ -240,7 +240,7 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) 
   });
 }
 
-/// Water that the soil has left belongs to the reservoir: the column moves back to where there is soil.
+/// Water that the soil has left behind belongs to the reservoir: the column moves back to where soil is.
 template <int D>
 void follow_soil(const SoilView<D>& view, State<D>& state) {
   const auto& p = state.particles;
@@ -304,11 +304,11 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
   const ColumnFinder<D> finder(state.columns);
   std::vector<bool> keep(p.size(), true);
   bool any = false;
-  ScalarArray crossed(state.columns.size(), 0.0);  // in particles, inwards
+  ScalarArray crossed(state.columns.size(), 0.0);  // volume of particles that cross each column inwards
   std::vector<int> nearest(p.size());
   parallel_for(p.size(), [&](std::size_t a) { nearest[a] = finder.nearest(p.position[a]); });
   for (std::size_t a = 0; a < p.size(); ++a) {
-    // Far outside, and no faster than a fall makes it: water that has diverged must be reported, not deleted.
+    // Deletes water far outside, if no faster than after a fall: faster water has diverged and is reported.
     if (((p.position[a] - setup.lower).array() < 0.0 || (setup.upper - p.position[a]).array() < 0.0).any() &&
         p.velocity[a].squaredNorm() <= 4.0 * setup.weight.norm() / setup.density * (setup.upper - setup.lower).norm()) {
       keep[a] = false;
@@ -335,20 +335,20 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
                            state.columns.begin());
     if (i < 0) continue;
     auto& c = state.columns[static_cast<std::size_t>(i)];
-    // Water that runs down the soil's face joins the still water behind the face and does not pass through it.
+    // Free water that runs down a face of soil joins the still water behind the face; it does not pass the face.
     if (free && c.in_soil && faces.is_reservoir(c.face)) continue;
     const double d = c.inside(p.position[a]);
-    // Soil that slides out of a seepage face takes its water along.
+    // Soil that slides out of a seepage face carries its water with it.
     const bool passed =
         d < -faces::deletion_depth * c.spacing && (p.goes_with_soil[a] == 0 || c.wet || view.coverage[a] < 0.5);
-    // Water that has passed a face is in air or still water. Its pressure, extrapolated with the slope inside, is at
-    // least that of the air.
+    // Water that has passed a face is in air or in still water: its pressure, extrapolated with the slope inside, must
+    // not be below that of the air.
     if (p.goes_with_soil[a] == 0 && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -setup.weight.dot(p.position[a] - setup.origin));
     if (!passed && !left) continue;
     if (flow_is_solved_for<D>(setup, state, c) && c.wet) {
-      // It is deleted when the flow through the column has taken it out (below). Far outside, its volume is returned to
-      // the column.
+      // It is deleted once the flow through the column has taken out its volume (below). If it is far outside already,
+      // its volume is returned to the column.
       if (d > -c.spacing) continue;
       keep[a] = false;
       any = true;
@@ -361,10 +361,10 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
     crossed[static_cast<std::size_t>(i)] -= p.mass[a] / setup.density;
     if (c.handed_to < 0) c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
-  // The flow takes out a column's outermost particle, wherever in the first spacing it stands. Beside a wall at which
-  // the face ends the velocity is unbounded, and particles move more slowly than the flow. Where a column has no
-  // particle there, its neighbour's is taken. Distances are measured from half a spacing outside: rows may be that far
-  // ahead of the column, and from the foot itself the next row would be nearer.
+  // The flow takes out the outermost particle of a column, wherever this stands in the first spacing. Beside a wall at
+  // which the face ends the velocity is unbounded, and particles are slower than the flow: a column without a particle
+  // there takes one of its neighbour's. Distances are measured from half a spacing outside, since rows may be that far
+  // ahead of the column; measured from the foot itself, the next row would be nearer.
   for (auto& c : state.columns) {
     if (!flow_is_solved_for<D>(setup, state, c) || !c.wet || c.offset >= -faces::deletion_depth * c.spacing) continue;
     std::size_t found = p.size();
@@ -390,7 +390,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
   }
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     auto& c = state.columns[i];
-    while (c.wet && c.offset >= c.spacing) {  // several where volumes were returned
+    while (c.wet && c.offset >= c.spacing) {  // more than once where volumes were returned
       c.offset -= c.spacing;
       const bool rigid = c.in_soil && !setup.coupled;
       p.add(rigid ? behind_face<D>(setup.ground, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
@@ -398,7 +398,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
       crossed[i] += c.mass / setup.density;
       ++state.counts.born;
     }
-    // The part of the stack's outermost particle that is inside counts as water that has come in.
+    // The part of the stack's outermost particle that lies inside counts as water that has entered.
     if (!flow_is_solved_for<D>(setup, state, c) || !c.wet)
       count<D>(c, came, crossed[i] + c.share(setup.density) - c.stored);
     c.stored = c.share(setup.density);

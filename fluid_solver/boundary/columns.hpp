@@ -14,7 +14,7 @@ template <int D>
 struct Faces {
   Faces(const Case& scene, WaterBoundaries what_stands_behind, const State<D>& first);
 
-  /// Level of the still water behind a face [m]; empty where there is none.
+  /// Level of the still water behind a face [m]; empty where no still water stands behind it.
   [[nodiscard]] std::optional<double> level(const State<D>& state, int face, double time) const {
     const auto f = static_cast<std::size_t>(face);
     return boundaries[f]->level(time, state.faces[f]);
@@ -24,11 +24,11 @@ struct Faces {
     return std::any_of(state.inlets.begin(), state.inlets.end(),
                        [&](const auto& inlet) { return inlet.face == face && !inlet.sill; });
   }
-  /// The face whose still water takes in water at x [m] at the state's time, below its level; -1: none. Above a crest
-  /// the sill's piston takes it in.
+  /// The face behind which still water takes in water at x [m], below its level, at the state's time; -1: no face.
+  /// Above a crest the sill's piston takes the water in.
   [[nodiscard]] int taker(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) const;
 
-  /// Whether a face is one of soil with still water behind it.
+  /// Whether a face is a face of soil with still water behind it.
   [[nodiscard]] bool is_reservoir(int face) const {
     return std::any_of(reservoirs_.begin(), reservoirs_.end(), [&](const auto& r) { return r.face == face; });
   }
@@ -37,7 +37,7 @@ struct Faces {
   VecArray<D> feet;  ///< m, feet of the columns at the start
 
  private:
-  /// A face of soil with still water behind it, which no particles represent.
+  /// A face of soil with still water behind it that no particles represent.
   struct Reservoir {
     int face = 0;
     std::function<bool(const Point3& x)> is_behind;
@@ -51,16 +51,16 @@ bool is_free(const Particles<D>& p, std::size_t a) {
   return p.goes_with_soil[a] == 0 && p.mask[a] <= 0.5;
 }
 
-/// Advances the still water and the basins behind the faces to the end of a window, with the flow of the last window.
+/// Advances the still water and the basins behind the faces to the end of a window, using the flow of the last window.
 template <int D>
 void advance_boundaries(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, State<D>& state);
 
-/// Volume that has come in through each face, minus what has gone out [m^D].
+/// Volume that has entered through each face, minus the volume that has left [m^D].
 template <int D>
 ScalarArray passed(const State<D>& state);
 
-/// Whether water flows quasi-statically through a column into soil at rest: dominated by drag, with the pressure solved
-/// for.
+/// Whether water flows quasi-statically through a column into soil at rest: drag dominates the flow, and the pressure
+/// is solved for.
 template <int D>
 bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c);
 
@@ -68,7 +68,7 @@ bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c);
 template <int D>
 InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c);
 
-/// Moves the columns' stacks of buffers by one window. came (one per face): sums the volume that they let in, m^D.
+/// Moves the columns' stacks of buffers by one window. came (one per face): sums the volume that enters, m^D.
 template <int D>
 void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const Stencil<D>& s, const SoilView<D>& view,
                      const WindowSolution<D>& solution, double interval, State<D>& state, ScalarArray& came);
@@ -77,26 +77,26 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
 template <int D>
 void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s);
 
-/// Moves faces of a prescribed head back with the soil's surface.
+/// Moves faces of a prescribed head with the soil's surface as it recedes.
 template <int D>
 void follow_soil(const SoilView<D>& view, State<D>& state);
 
-/// Adds particles that come in and deletes those that have left. came (one per face): sums the volume that comes in,
-/// m^D.
+/// Adds particles that enter and deletes those that have left.
+/// came (one per face): sums the volume that enters, m^D.
 template <int D>
 void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view, State<D>& state,
                            ScalarArray& came);
 
-/// Adds the net volume through each face in a window [m^D] to the balance. In and out are not counted by column, since
-/// repair of the packing moves water in at one column and out at the next.
+/// Adds the net volume through each face in a window [m^D] to the balance. Inflow and outflow are not summed by column:
+/// the repair of the packing moves water in at one column and out at the next.
 void close_accounts(const ScalarArray& came, Balance& balance);
 
 /// Volume that the faces have let in beyond the growth of the particles' volume [m^D].
 template <int D>
 double missing_water(const Setup<D>& setup, const State<D>& state);
 
-/// The still water behind faces into which soil may slide: the columns' rows beyond those that the water's own
-/// operators need, and more columns where a face ends without a neighbour. It has the piezometric pressure of the face.
+/// The still water behind faces into which soil may slide: the rows of columns beyond those that the water's own
+/// operators need, and further columns where a face ends without a neighbour. It has the face's piezometric pressure.
 template <int D>
 std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& faces,
                                        std::span<const sph::ImagePlane<D>> planes, const State<D>& state);

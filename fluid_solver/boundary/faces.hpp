@@ -1,6 +1,6 @@
 // Faces of prescribed head or pressure. Water enters and leaves through columns, one per particle spacing along the
-// face. Each has a stack of buffer particles outside, which moves with the flow ("ghost reservoir": no particles
-// represent the reservoir).
+// face. Each column has a stack of buffer particles outside the face, which moves with the flow ("ghost reservoir": no
+// particles represent the reservoir itself).
 #pragma once
 
 #include "common/particles/neighbours.hpp"
@@ -13,7 +13,7 @@
 
 namespace poretwin::fluid {
 
-/// Properties that a water particle keeps from the body of water that it belonged to first.
+/// Properties that a water particle keeps from the first body of water to which it belonged.
 struct Provenance {
   double wave_speed = 0.0;      ///< m/s, see Particles
   bool goes_with_soil = false;  ///< see Particles
@@ -30,37 +30,37 @@ struct FaceColumn {
   double mass = 0.0;               ///< kg, mass of a particle born here
   double void_fraction = 1.0;      ///< volume fraction that water fills in the ground behind the face
   double offset = 0.0;             ///< m, position of the stack: buffers are at offset - j spacing, j = 1 .. 4
-  double speed = 0.0;              ///< m/s, of the stack
+  double speed = 0.0;              ///< m/s, of the stack along the normal
   double pressure = 0.0;           ///< Pa, piezometric, at the foot
   double slope = 0.0;              ///< Pa/m, of the piezometric pressure along the normal
-  Provenance provenance;           ///< of particles born here: that of the nearest water at the start
+  Provenance provenance;           ///< of particles born here: the provenance of the nearest water at the start
   bool in_soil = false;            ///< the ground behind the face is soil
-  bool drag_dominated = false;     ///< in that soil drag dominates the motion of water, not inertia
-  bool wet = false;                ///< the column acts now
+  bool drag_dominated = false;     ///< in this soil drag, not inertia, dominates the motion of water
+  bool wet = false;                ///< the pressure at the foot is not negative: water passes
   bool held = false;               ///< a wall fixes the soil at the face: a filter
   bool loaded = false;             ///< the face carries a load
   double stored = 0.0;             ///< m^D, water of the outermost spacing that is in the domain but in no particle
-  double passed = 0.0;             ///< m^D, volume that has come in here, minus what has gone out
+  double passed = 0.0;             ///< m^D, volume that has entered here, minus the volume that has left
   double before = 0.0;             ///< m, length of the wall that continues the face straight beyond its first end here
   double after = 0.0;              ///< m, length of the wall that continues the face straight beyond its last end here
-  int handed_to = -1;  ///< column in whose place the particles of what passes here are born and removed; -1: this one.
-                       ///< At the toe of a slope of soil at rest there is no place for a row between face and base
+  int handed_to = -1;  ///< column at which the particles of the water that passes here are born and removed; -1: this
+                       ///< one. At the toe of a slope of soil at rest a row does not fit between face and base
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
-  /// Volume of the first buffer that lies inside the face [m^D]; negative: volume of the last particle that lies
-  /// outside.
+  /// Volume of the part of the first buffer that lies inside the face [m^D]; negative: volume of the part of the last
+  /// particle that lies outside.
   [[nodiscard]] double share(double density) const {
     return wet ? mass / density * std::clamp(offset / spacing - 0.5, -0.5 - faces::deletion_depth, 0.5) : 0.0;
   }
 };
 
-/// The drive of a front into dry ground behind a face.
+/// The terms that drive a front into dry ground behind a face.
 struct InfiltrationSpeed {
   double head = 0.0;     ///< m2/s, k/n times the pressure head
   double gravity = 0.0;  ///< m/s, k/n times the cosine between gravity and the inward normal
 };
 
-/// A point in the soil behind a place on its face, `depth` inside, or as deep as there is soil: near the toe of a slope
-/// the normal soon meets the base.
+/// A point in the soil at `depth` inside a place on its face. Where the soil is thinner, as near the toe of a slope,
+/// where the normal soon reaches the base, the point is less deep.
 template <int D>
 Vec<D> behind_face(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double depth) {
   for (double share = 1.0; share > 1e-3; share *= 0.5)
@@ -69,7 +69,7 @@ Vec<D> behind_face(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& no
 }
 
 /// The point at which a face's soil is looked up: a quarter spacing inside. At the toe of a slope of two to one or
-/// flatter that depth would lie below the base.
+/// flatter, a point at that depth would lie below the base.
 template <int D>
 Vec<D> just_inside(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
   return behind_face<D>(ground, foot, normal, faces::soil_depth * spacing);
@@ -126,7 +126,7 @@ void add_column(const Case& scene, const Ground<D>& ground, int face, const Vec<
 
 }  // namespace detail
 
-/// The places where walls end and faces with columns begin.
+/// The points at which a wall ends and a face with columns begins.
 template <int D>
 std::vector<Joint<D>> make_joints(const Case& scene) {
   std::vector<Joint<D>> joints;
@@ -157,8 +157,8 @@ std::vector<Joint<D>> make_joints(const Case& scene) {
   return joints;
 }
 
-/// Sets FaceColumn::handed_to where the soil behind a column ends within a spacing: to the nearest column of its face
-/// and its soil with place for a row.
+/// Sets FaceColumn::handed_to where the soil behind a column is thinner than a spacing: to the nearest column of the
+/// same face and soil behind which a row fits.
 template <int D>
 void hand_on(const Ground<D>& ground, std::vector<FaceColumn<D>>& columns) {
   std::vector<char> has_place;
@@ -271,7 +271,7 @@ class ColumnFinder {
   ColumnFinder(const ColumnFinder&) = delete;
   ColumnFinder& operator=(const ColumnFinder&) = delete;
 
-  /// The column with the nearest foot, if x stands before or behind it, or less than a spacing beside it; -1: none.
+  /// The column with the nearest foot, if x lies before, behind or less than a spacing beside it; -1: no such column.
   [[nodiscard]] int nearest(const Vec<D>& x) const {
     int best = -1;
     double least = widest_ * widest_;
@@ -294,7 +294,7 @@ class ColumnFinder {
   sph::CellGrid<D> grid_;
 };
 
-/// Sets the columns' pressures at a time [s]. A column acts where the total pressure at its foot is not negative.
+/// Sets the columns' pressures at a time [s]. A column is wet where the total pressure at its foot is not negative.
 /// boundaries, states: one per face.
 template <int D>
 void update_columns(const WaterBoundaries& boundaries, std::span<const FaceState> states, double time,
@@ -335,10 +335,10 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, b
   return buffers;
 }
 
-/// m/2 [spacings], with m = sum_s s^3 F / sum_s s^2 F and F = -W'/r summed over the row at the distance of s spacings.
-/// A sudden load makes the pressure p0 uniform behind a drained face. With the slope p0 / (m/2) at the face and the
-/// first row half a spacing inside, the pressure gradients of all rows sum to the fall p0 at the face
-/// (docs/theory/coupling.md, "Loads on a drained face").
+/// Returns m/2 [spacings], with m = sum_s s^3 F / sum_s s^2 F and F = -W'/r summed over the row at the distance of s
+/// spacings. A sudden load makes the pressure p0 uniform behind a drained face. If the slope at the face is p0 / (m/2)
+/// and the first row lies half a spacing inside, the pressure gradients of all rows sum to the pressure drop p0 at the
+/// face (docs/theory/coupling.md, "Loads on a drained face").
 template <int D>
 double length_of_even_fall() {
   static const double value = [] {
@@ -365,12 +365,12 @@ bool sees(const sph::Sight<D>& sight, const Stencil<D>& s, const Vec<D>& x, Inde
 }
 
 /// Fits the pressure's slope at every column: a weighted least-squares line through the face's pressure, over the
-/// particles of the first spacings inside and their images behind walls. Particles on the face itself say nothing of
-/// the slope; as far as there are no others, the slope of the last window is used.
+/// particles of the first spacings inside and their images behind walls. Particles on the face itself do not determine
+/// the slope; where there are too few others, the slope of the last window is used in proportion.
 ///
-/// Below a load the grains have to carry the whole fall of an even pressure before anything has drained. There the
-/// slope of the first row alone is mixed in until the gradients sum to that fall (with the fit alone they sum to 0.86
-/// of it). free [n]: 1 for particles in no soil, which do not count at a face of soil.
+/// Below a load, before any drainage, the grains carry the whole drop of an even pressure at the face. There the slope
+/// of the first row alone is mixed in until the gradients sum to that drop (with the fit alone they sum to 0.86 of it).
+/// free [n]: 1 for particles in no soil, which are ignored at a face of soil.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s,
                  const sph::Sight<D>& sight = {}) {
@@ -414,7 +414,7 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
     const double total = std::max(sum, least);
     double share = 0.0;
     if (c.loaded && sum >= least && first_sum > 0.0) {
-      // Slopes of an even pressure of 1: of the fit, of the first row, and the one wanted.
+      // Slopes for an even pressure of 1: that of the fit, that of the first row, and the required one.
       const double fitted = whole / sum, steepest = first_whole / first_sum;
       const double wanted = 1.0 / (c.spacing * (0.5 + length_of_even_fall<D>()) - c.offset);
       if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);

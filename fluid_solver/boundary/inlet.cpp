@@ -65,7 +65,7 @@ double inlet_speed(const WaterBoundary& boundary, const FaceState& state, const 
     discharge =
         std::sqrt(gravity * depth) * (std::max(wanted, inlet.lowest) - inlet.level) + inlet.current * inlet.width;
   }
-  // An opening draws water only if all of it lies under water.
+  // An opening can draw water in only if all of it lies under water.
   if (discharge < 0.0 && gravity > 0.0 && inlet.level < inlet.highest + 0.5 * inlet.spacing) return 0.0;
   return discharge / inlet.width;
 }

@@ -1,4 +1,4 @@
-// A face with air behind it: water that crosses it has left the domain.
+// A face with air behind it: water that crosses the face has left the domain.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"

@@ -65,7 +65,7 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
         head += p.pressure[a];
       }
     }
-    // A pipe that is full has no surface: its level follows from the pressure.
+    // A full pipe has no surface: the level then follows from the pressure.
     if (surface > 0.0)
       inlet.level = level / surface;
     else if (inlet.sill)
@@ -74,8 +74,8 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
       inlet.level = water > 0.0 ? head / (water * setup.weight.norm()) + up.dot(setup.origin) : inlet.lowest;
     if (inlet.sill) {
       const double over = faces.level(state, inlet.face, time).value() - inlet.lowest;
-      // The speed is averaged: water in front of a piston moves with it, so that its present speed is only the
-      // piston's.
+      // The speed is an average over time: water in front of a piston moves with it, so that its present speed would
+      // only be that of the piston.
       const double averaging_time =
           faces::current_waves * near / std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, over));
       inlet.current +=
@@ -87,9 +87,9 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
       inlet.open(flow.depth, setup.spacing);
     } else {
       if (const auto wanted = faces.level(state, inlet.face, time); wanted) {
-        // Water of length L responds to a discharge within L / sqrt(g d). The current is corrected over four times that
-        // time, which avoids oscillation. The missing head is limited to one spacing, so that a reservoir being filled
-        // gets no such current.
+        // Water of length L and depth d responds to a discharge within L / sqrt(g d). The current is corrected over
+        // four times that time, which avoids oscillation. The missing head is limited to one spacing, so that it causes
+        // no large current in a reservoir that is being filled.
         const double wave = std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, *wanted - inlet.lowest));
         const double missing = std::clamp(*wanted - inlet.level, -setup.spacing, setup.spacing);
         const double length = std::max(setup.spacing, length_of_body<D>(p, body, inlet.foot));
@@ -98,7 +98,7 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
       const auto f = static_cast<std::size_t>(inlet.face);
       inlet.speed =
           inlet_speed(*faces.boundaries[f], state.faces[f], inlet, setup.spacing, setup.gravity, time, interval);
-      if (inlet.speed == 0.0) inlet.current = std::max(0.0, inlet.current);  // an opening that cannot draw
+      if (inlet.speed == 0.0) inlet.current = std::max(0.0, inlet.current);  // the opening cannot draw water at present
     }
     const double volume = inlet.speed * inlet.width * interval;
     (volume > 0.0 ? state.balance.in : state.balance.out) += std::abs(volume);

@@ -65,7 +65,7 @@ Walls<D>::Walls(const Case& scene, const std::vector<Inlet<D>>& inlets)
 template <int D>
 void Walls<D>::place(const std::vector<Inlet<D>>& inlets) {
   planes.clear();
-  // Sills' pistons extend upwards from the crest. They precede the walls: a floor on the crest mirrors their images.
+  // Pistons of sills extend up from the crest. They come before the walls: a floor on the crest mirrors their images.
   for (const auto& inlet : inlets) {
     if (!inlet.sill || !inlet.flows) continue;
     sph::ImagePlane<D> plane;

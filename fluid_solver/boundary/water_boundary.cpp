@@ -21,7 +21,7 @@ constexpr Kind kind{&Boundary::is_meant, [](const Case& scene, const WaterFace& 
                       return std::unique_ptr<WaterBoundary>(std::make_unique<Boundary>(scene, face));
                     }};
 
-/// A face is of the first kind whose keys it has.
+/// A face is of the first of these kinds whose keys it has.
 constexpr Kind kinds[] = {kind<Basin>, kind<PrescribedDischarge>, kind<PrescribedHead>, kind<PrescribedPressure>,
                           kind<Outlet>};
 

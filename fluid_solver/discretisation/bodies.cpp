@@ -10,8 +10,8 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Numbers the connected sets of elements with counts[a] from 0; -1: does not count. visit_neighbours(a, visit) calls
-/// visit(b) for all b that touch a.
+/// Numbers the connected sets of elements a with counts[a], from 0; elements that do not count get -1.
+/// visit_neighbours(a, visit) calls visit(b) for all b that touch a.
 template <class Neighbours>
 std::vector<int> connected(std::size_t n, std::span<const char> counts, const Neighbours& visit_neighbours) {
   std::vector<int> body(n, -1);
@@ -35,7 +35,7 @@ std::vector<int> connected(std::size_t n, std::span<const char> counts, const Ne
   return body;
 }
 
-/// Index of the point nearest to x; there must be one.
+/// Index of the point nearest to x; there must be at least one point.
 template <int D>
 std::size_t nearest_to(const Vec<D>& x, std::span<const Vec<D>> points) {
   const auto nearest = std::ranges::min_element(points, {}, [&](const Vec<D>& y) { return (x - y).squaredNorm(); });
@@ -115,8 +115,8 @@ void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
   const auto open = [&](std::size_t a) { closed[static_cast<std::size_t>(body[a])] = 0; };
   for (std::size_t a = 0; a < p.size(); ++a)
     if (p.surface[a] != Surface::interior) open(a);
-  // Faces and inlets open the body of water that they touch. Nearly always no body is closed, and none of them needs to
-  // be located.
+  // Faces and inlets open the body of water that they touch. Nearly always every body is open by then, and the body at
+  // a face or inlet need not be looked for.
   if (std::ranges::any_of(body, [&](int b) { return closed[static_cast<std::size_t>(b)] != 0; })) {
     for (const auto& c : state.columns) open(nearest_to<D>(c.foot, p.position));
     for (const auto& inlet : state.inlets) open(nearest_to<D>(inlet.foot, p.position));

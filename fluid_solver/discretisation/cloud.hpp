@@ -1,5 +1,5 @@
-// The water as a set of points with fields: particles, buffers behind faces and images behind walls; interpolation in
-// it.
+// The water as a set of points with fields: particles, buffers behind faces and images behind walls. Fields are
+// interpolated between these points.
 #pragma once
 
 #include "common/geometry/surfaces.hpp"
@@ -26,23 +26,23 @@ struct Cloud {
   OrZero<double> surface_share, spreading;
   ScalarArray mask, void_fraction;
   sph::Sight<D> sight;        ///< lines of sight past the walls
-  std::vector<Index> column;  ///< [buffers, which follow the particles] the face column of each
-  std::size_t n_base = 0;     ///< number of points that are no images
-  std::vector<Index> by, of;  ///< [images] see sph::Images; where lines of sight are limited
+  std::vector<Index> column;  ///< [buffers, which follow the particles] the face column of each buffer
+  std::size_t n_base = 0;     ///< number of points that are not images
+  std::vector<Index> by, of;  ///< [images] see sph::Images; only where lines of sight are limited
   std::vector<Index> original;  ///< [images] the point whose image it is
-  bool shaped_walls = false;    ///< images are by walls of any shape (3D)
+  bool shaped_walls = false;    ///< images lie behind walls of any shape (3D)
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
-/// A point of the still water behind a face of prescribed head. No particle represents that water; the point stands for
-/// a bulk volume of it.
+/// A point of the still water behind a face of prescribed head. The point stands for a bulk volume of this water, which
+/// no particle represents.
 template <int D>
 struct StillWater {
   Vec<D> position;
   double volume = 0.0, pressure = 0.0;  ///< m^D; piezometric, Pa
 };
 
-/// The cloud of the present state. sticky: walls at which water does not slip, one bit each.
+/// The cloud of the present state. sticky: walls at which water does not slip, one bit for each wall.
 template <int D>
 Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& weight, const Vec<D>& origin,
                     std::span<const StillWater<D>> reservoir = {}, std::uint32_t sticky = 0) {
@@ -119,7 +119,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   return c;
 }
 
-/// Interpolation in the water at any place. width: width of the kernel, in smoothing lengths.
+/// Interpolation between the points of the water, at any place. width: width of the kernel, in smoothing lengths.
 template <int D>
 class Probe {
  public:
@@ -138,15 +138,15 @@ class Probe {
     Vec<D> gradient = Vec<D>::Zero();
   };
 
-  /// Sum of V W at x, over that of a lattice: 1 in the water, 0 outside.
+  /// Sum of V W at x, over the sum of a lattice: 1 in the water, 0 outside.
   [[nodiscard]] double fullness(const Vec<D>& x) const {
     double sum = 0.0;
     near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, length(j)); });
     return sum / lattice_fullness<D>();
   }
 
-  /// Moving least squares of first order over the points j for which counts(j), or over all where none of these is
-  /// near; a weighted mean where they do not span space. NaN outside the water.
+  /// Moving least squares of first order over the points j for which counts(j) holds, or over all points where no such
+  /// point is near. The result is a weighted mean where the points do not span space, and NaN outside the water.
   template <class Field, class Counts>
   [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f, Counts&& counts) const {
     using Row = Eigen::Matrix<double, D + 1, 1>;
@@ -168,7 +168,7 @@ class Probe {
     if constexpr (!std::is_same_v<std::decay_t<Counts>, All>)
       if (!(moment(0, 0) > 0.0)) return fit(x, f);
     scale /= moment(0, 0);
-    // A direction in which points do not spread gives no slope.
+    // In a direction in which the points do not spread, no slope can be fitted.
     Row unit = Row::Constant(reach_ / scale);
     unit[0] = 1.0;
     const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();

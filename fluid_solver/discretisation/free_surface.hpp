@@ -1,5 +1,5 @@
-// The free surface: which particles lie on it, how far it is from the others, and its terms in the pressure's
-// equations.
+// The free surface: which particles lie on it, how far it is from the other particles, and its terms in the equations
+// for the pressure.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -14,9 +14,9 @@ namespace poretwin::fluid {
 
 enum class Surface : std::uint8_t { interior, surface, lone };
 
-/// Thickness of the row of surface particles at particle a, over a lattice's. The surface lies half of it above the
-/// row. In a tank at rest particles join the row, up to 15 % more. With a surface at a fixed half spacing above it, the
-/// pressure fell by 0.3 % of the depth of 20 spacings in a minute.
+/// Thickness of the row of surface particles at particle a, over that of a lattice. The surface lies half of it above
+/// the row. In a tank at rest, particles join the row and make it up to 15 % thicker. With a surface fixed at half a
+/// spacing above the row, the pressure would fall in a minute by 0.3 % of that of a depth of 20 spacings.
 template <int D>
 double row_thickness(const Stencil<D>& s, std::size_t a) {
   static const double lattice = [] {
@@ -45,8 +45,8 @@ double row_thickness(const Stencil<D>& s, std::size_t a) {
   return thickness;
 }
 
-/// The surface above particle a, as the surface particles of its own kind within reach show it: sums weighted with W of
-/// the outward normal, of the surface's height above the particle along that normal [m], and of its pressure [Pa].
+/// The surface above particle a, from the surface particles of its own kind within reach. Members: sums, weighted with
+/// W, of the outward normal, the surface's height above the particle along it [m], and the surface's pressure [Pa].
 template <int D>
 struct SurfacePlane {
   double weight = 0.0, height = 0.0, pressure = 0.0;
@@ -70,8 +70,8 @@ SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool in_seepag
   return plane;
 }
 
-/// Depth of particle a of free water below the surface within its kernel's reach [m]; 0 where there is none or it is no
-/// plane.
+/// Depth of particle a of free water below the surface [m]; 0 where the surface is beyond the reach of the particle's
+/// kernel or is not a plane.
 template <int D>
 double depth(const Stencil<D>& s, std::size_t a) {
   if (s.ghost_distance[a] > 0.0) return s.ghost_distance[a];
@@ -82,14 +82,14 @@ double depth(const Stencil<D>& s, std::size_t a) {
 
 /// Finds the surface particles and sets the surface's terms in the stencil.
 ///
-/// Free water: a particle lies on the surface by the smallest eigenvalue of its moment matrix and by an empty cone
-/// around the outward normal (Marrone et al. 2010). Water in soil, at a wetting front: by the deficit of the divergence
-/// of position (Lee et al. 2008), where no water stands opposite. If a hole under pressure counted as a surface, it
-/// would draw a reservoir in under its full head.
+/// In free water a particle lies on the surface by two criteria: the smallest eigenvalue of its moment matrix, and an
+/// empty cone around the outward normal (Marrone et al. 2010). In soil, at a wetting front, it does so by the deficit
+/// of the divergence of position (Lee et al. 2008), where no water stands opposite. If a hole under pressure counted as
+/// a surface, it would draw in the water of a reservoir with its full head.
 ///
-/// rows: thickness of the row in which each particle lies, in spacings. `share` is the weight of its present value: the
-/// average is slow, since surface particles move with the surface while a row is stretched (surface_lead). none: there
-/// is no air, and holes are disorder.
+/// rows: thickness of the row in which each particle lies, in spacings, averaged over time. `share` is the weight of
+/// its present value. The weight is small because surface particles move with the surface while a row is stretched
+/// (surface_lead). none: the domain contains no air, and holes are disorder.
 template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepage, std::span<double> rows = {},
                                   double share = 0.0, bool none = false) {
@@ -108,9 +108,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     }
     return false;
   };
-  // The surface in soil is rough on the scale of a spacing, hence only the narrow cone counts. At a seepage face the
-  // water in the soil ends at the face, although some of it may already have passed it: only free water that flows down
-  // the face counts as water in front.
+  // The surface in soil is rough on the scale of a spacing, so that only the narrow cone counts. At a seepage face the
+  // water in the soil ends at the face, although some of it may already have passed the face. Hence only free water
+  // that flows down the face counts as water in front.
   const auto opposite = [&](std::size_t a) {
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -158,8 +158,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
     if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
   }
-  // For a particle below the surface: distance to the plane through the surface particles of its own kind within reach,
-  // and the surface's pressure; 0: none.
+  // For a particle below the surface: its distance from the plane through the surface particles of its own kind within
+  // reach, and the surface's pressure. The distance is 0 where no such plane is found.
   const auto below = [&](std::size_t a) -> std::pair<double, double> {
     const auto plane = surface_plane<D>(s, a, in_seepage[a] != 0);
     if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
@@ -169,8 +169,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     if (distance <= 0.0 || distance >= sph::support_radius * s.length(a)) return {};
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
-  // Beside free water the gradient of seeping water does not include the surface: rows that touch free water are not
-  // changed.
+  // Beside free water the gradient of seeping water does not include the surface: the rows of particles that touch free
+  // water are not changed.
   const auto seeps_all_around = [&](std::size_t a) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real && in_seepage[q] == 0) return false;
@@ -195,16 +195,16 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     const double distance = flags[a] == Surface::surface ? s.surface_distance(a) : below(a).first;
     if (distance == 0.0) continue;
     s.ghost_distance.set(a, distance, s.n_real);
-    // The ghost at twice the distance completes the moment matrix.
+    // The ghost, at twice the distance, completes the moment matrix.
     const double amount = s.normal[a].norm();
     const Vec<D> n = s.normal[a] / amount;
     Mat<D>& unresolved = s.boundary_correction(a).unresolved;
     s.correction[a] = bounded_inverse<D>(s.moment(a) + 2.0 * distance * amount * n * n.transpose(),
                                          surface::least_inverted, &unresolved);
   }
-  // Inside, where neighbours are few, the pair sums of the Laplacian are too small and the corrected gradient is not. A
-  // pressure found from the one and applied by the other would correct the velocity more than once. In soil drag keeps
-  // this effect small.
+  // Inside the water, where neighbours are few, the pair sums of the Laplacian are too small, but the corrected
+  // gradient is not. The pressure from this Laplacian, applied with this gradient, would correct the velocity more than
+  // once. In soil drag keeps this effect small.
   parallel_for(s.n_real, [&](std::size_t a) {
     if (const double deficit = s.divergence[a] / D;
         in_seepage[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
@@ -213,15 +213,15 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
   return flags;
 }
 
-/// Term by which the total pressure of the surface, at a distance outside particle a, enters row a: coefficient * (ph_a
-/// - pressure).
+/// Term by which the total pressure of the surface, at a distance outside particle a, enters the matrix row of a:
+/// coefficient * (ph_a - pressure).
 struct SurfaceRow {
-  double coefficient = 0.0;  ///< of the row weighted with the volume
+  double coefficient = 0.0;  ///< of the matrix row, which is weighted with the volume
   double pressure = 0.0;     ///< piezometric, Pa
 };
 
-/// The term for a surface that lies `distance` [m] outside the particle. weight: rho g [N/m3]; origin: point at which
-/// piezometric and total pressure are equal [m].
+/// The term for a surface that lies `distance` [m] outside the particle. weight: rho g [N/m3]; origin: the point at
+/// which piezometric and total pressure are equal [m].
 template <int D>
 SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double distance, double mobility, const Vec<D>& weight,
                        const Vec<D>& origin) {

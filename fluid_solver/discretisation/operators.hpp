@@ -13,13 +13,13 @@
 
 namespace poretwin::fluid {
 
-/// Whether the images of a vector field behind a moving wall contain the wall's velocity: so for velocities of the
-/// water.
+/// Whether the images of a vector field behind a moving wall include the wall's velocity. For velocities of the water
+/// they do.
 enum class Carried : bool { no, yes };
 
-/// The value of a field at point j from the values at the real particles. An image takes its parent's value, vectors by
-/// the image's linear map, or with opposite sign behind walls at which the field does not slip (`sticky`, one bit
-/// each). Buffers and their images get zero, which is not read.
+/// The value of a field at point j, from the values at the real particles. An image takes its parent's value. A vector
+/// is mapped by the image's linear map, or changes its sign behind walls at which the field does not slip (`sticky`,
+/// one bit for each wall). Buffers and their images get zero, which no caller uses.
 template <int D>
 [[gnu::always_inline]] inline Vec<D> extended_to(const Stencil<D>& s, std::span<const Vec<D>> f, std::size_t j,
                                                  Carried carried, std::uint32_t sticky) {
@@ -57,19 +57,19 @@ std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<co
   return slope;
 }
 
-/// Data of a point that pair loops read, packed: its position and n_values numbers, padded to a multiple of `step`.
+/// Data of a point that pair loops use, packed: its position and n_values numbers, padded to a multiple of `step`.
 template <int D, std::size_t n_values, std::size_t step = n_lanes>
 struct alignas(step * sizeof(double)) PackedPoint {
   static constexpr std::size_t size = (D + n_values + step - 1) / step * step;
-  std::array<double, size> x;  ///< not initialised: whoever packs a point sets all that is read of it
+  std::array<double, size> x;  ///< not initialised: the code that packs a point sets all values that are used
   [[nodiscard]] const double* row() const { return x.data(); }
 };
 template <int D, std::size_t n_values>
 using PackedPoints = UnsetArray<PackedPoint<D, n_values>>;
 
-/// For every real particle a, calls add(pair, factor, w, point, sum) for its pairs and then take(a, total) with the
-/// n_sums sums. factor, w: the pair's gradient factor, and the vector to the other point times it; point: the numbers
-/// packed with that point behind its position.
+/// For every real particle a, calls add(pair, factor, w, point, sum) for each of its pairs, then take(a, total) with
+/// the n_sums sums. factor: the pair's gradient factor. w: the factor times the vector to the other point. point: the
+/// numbers that are packed with the other point after its position.
 template <int D, std::size_t n_values, std::size_t n_sums, class Add, class Take>
 void for_gradients(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Add& add, const Take& take) {
   for_pairs<SumsOf<n_sums>::template Row>(
@@ -90,14 +90,14 @@ void for_gradients(const Stencil<D>& s, const PackedPoints<D, n_values>& points,
 }
 
 /// Corrected gradient of a piezometric pressure. face_pressure(column): the pressure at a face; surface_pressure(a):
-/// that of the free surface next to particle a (both 0 for increments). mobility: of the real particles, of which pairs
-/// get the harmonic mean; 1 where it is empty. unresolved_gradient: taken in directions without neighbours. increment:
-/// p is a change of pressure.
+/// that of the free surface next to particle a (both 0 for increments). mobility: of the real particles; pairs get the
+/// harmonic mean, and an empty mobility is 1. unresolved_gradient: the value in directions without neighbours.
+/// increment: p is a change of pressure.
 template <int D, class Face, class SurfacePressure>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure,
                               std::span<const double> mobility, const Vec<D>& unresolved_gradient,
                               SurfacePressure&& surface_pressure, bool increment = false) {
-  // Pressures of the buffers. Reflection particle by particle, as in the Laplacian, would magnify the error of a
+  // Pressures of the buffers. A reflection for each particle, as in the Laplacian, would magnify the error of a
   // particle that lies on the face itself.
   ScalarArray buffer(s.n_base - s.n_real);
   std::vector<bool> fitted(buffer.size());
@@ -109,7 +109,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     all_fitted = all_fitted && fitted[i];
     buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
   }
-  // A buffer has the mobility of the particle whose row is summed, encoded by zero.
+  // A buffer takes the mobility of the particle whose row is summed; a zero stands for this.
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
@@ -150,10 +150,10 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
 }
 
 /// Scales the flux along interfaces between soils. The harmonic mean of a pair's mobilities is right across an
-/// interface. Along it, it slows the water of the more permeable soil and accelerates that of the other. Each side's
-/// pressure should drive its own mobility there: that part of the flux is scaled by the particle's mobility over the
-/// pairs' mean. flux: from pressure_gradient with the same mobility; in_soil [n]: above one half in soil. Other
-/// particles are not changed.
+/// interface. Along the interface it slows the water of the more permeable soil and accelerates that of the other soil.
+/// The part of the flux along the interface should follow each particle's own mobility, and so is scaled by this
+/// mobility over the pairs' mean. flux: from pressure_gradient with the same mobility. in_soil [n]: above one half in
+/// soil; other particles do not change.
 template <int D>
 void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
                            std::span<Vec<D>> flux) {
@@ -172,8 +172,8 @@ void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility
     if (change.isZero(0.0)) return;
     const Vec<D> n = change.normalized(), across = n.dot(flux[a]) * n;
     const double own = mobility[a] * (plain.trace() - n.dot(plain * n)), mean = weighted.trace() - n.dot(weighted * n);
-    // At a flat interface the ratio is 0.7 to 1.7. An island of one soil in the other has no direction along the
-    // interface.
+    // At a flat interface the ratio is 0.7 to 1.7. It is bounded because around an island of one soil in another no
+    // direction lies along the interface.
     if (mean > 0.0) flux[a] = across + std::clamp(own / mean, 0.5, 2.0) * (flux[a] - across);
   });
 }
@@ -204,7 +204,7 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
 }
 
 /// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j [1/s], without buffers. sticky: walls at which
-/// water does not slip, one bit each.
+/// water does not slip, one bit for each wall.
 template <int D>
 MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, std::uint32_t sticky = 0) {
   MatArray<D> result(s.n_real);
@@ -227,9 +227,9 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
   return result;
 }
 
-/// Distributes amounts of the real particles [n], in place: each among the real particles around it and itself, in
-/// proportion to the kernel's value times a weight, counts [n]. An amount without any neighbour of positive weight
-/// stays where it is. The sum is conserved.
+/// Distributes amounts of the real particles [n], in place: each amount among its particle and the real particles
+/// around it, in proportion to the kernel's value times a weight, counts [n]. An amount without any neighbour of
+/// positive weight stays where it is. The sum is conserved.
 template <int D>
 void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
   // Data of a point: weight, smoothing length.
@@ -241,7 +241,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
     x[D + 1] = s.length(j);
   });
   const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
-  UnsetArray<float> value(s.other.size());  // of the kernel, the same for both particles of a pair
+  UnsetArray<float> value(s.other.size());  // of the kernel; equal for both particles of a pair
   VecArray<D> parts(s.size(), Vec<D>::Zero());
   for_pairs<SumsOf<1>::Row>(
       s.rows(), PairInputs{points.data()},
@@ -280,8 +280,8 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
       });
 }
 
-/// Entries of a Laplacian without buffers where all volumes and mobilities are the same and `factor` is their product.
-/// The list's kernels are then the same for both particles of a pair.
+/// Entries of a Laplacian without buffers where all volumes are equal, all mobilities are equal, and `factor` is the
+/// product of volume and mobility. The list's kernels are then equal for both particles of a pair.
 template <int D>
 void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
@@ -304,12 +304,12 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
       });
 }
 
-/// Behind curved walls the images of b weigh differently in row a than the images of a in row b. Both rows get the mean
-/// of the two sums. The correction is added to the entry of the direct pair (a, b), which exists wherever one of them
-/// sees an image of the other.
+/// Behind curved walls the images of b have other weights in row a than the images of a in row b. Both rows get the
+/// mean of the two sums. The correction is added to the entry of the direct pair (a, b), which exists wherever one of
+/// the particles sees an image of the other.
 template <int D>
 void make_symmetric(const Stencil<D>& s, PairMatrix& m) {
-  std::vector<std::vector<std::pair<Index, double>>> by_images(s.n_real);  // of whom, by how much
+  std::vector<std::vector<std::pair<Index, double>>> by_images(s.n_real);  // for each row: whose images, and their sum
   parallel_for(s.n_real, [&](std::size_t a) {
     if (s.beyond[a] == 0) return;
     auto& row = by_images[a];
@@ -341,8 +341,8 @@ void make_symmetric(const Stencil<D>& s, PairMatrix& m) {
   });
 }
 
-/// What laplacians() packs of a point behind its position: volume (0: not coupled), amplification, mobilities; in 3D also
-/// the smoothing length, which would take a cube root to compute. And what it keeps of a row.
+/// The numbers that laplacians() packs after a point's position: volume (0: not coupled), amplification, mobilities,
+/// and in 3D the smoothing length, which would need a cube root. Row holds the data of a row of the matrix.
 template <int D, std::size_t n_mobilities>
 struct LaplacianRow {
   static constexpr std::size_t volume = D, amplified = D + 1, mobility = D + 2, at_length = mobility + n_mobilities;
@@ -366,8 +366,8 @@ struct LaplacianRow {
 };
 
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b), G_ab = -W'/r: minus the Laplacian, weighted with the volume so that it
-/// is symmetric. One matrix for each of the mobilities of the real particles; pairs get the harmonic mean, and an empty
-/// mobility is 1. Pairs with buffers are added to the diagonal, (1 + r) (p_a - p_face), with the reflection's ratio r
+/// is symmetric. Returns one matrix for each of the mobilities of the real particles. Pairs get the harmonic mean; an
+/// empty mobility is 1. A pair with a buffer adds (1 + r) (p_a - p_face) to the diagonal, with the reflection's ratio r
 /// of distances. Entries without a coupling have weight 0. The stencil must outlive the matrices.
 template <int D, std::size_t n_mobilities>
 std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
@@ -391,7 +391,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
   }
   using At = LaplacianRow<D, n_mobilities>;
   constexpr std::size_t n_numbers = At::n_numbers;
-  // Not padded: memory is shortest beside the matrix.
+  // Without padding: the memory in use is largest here, beside the matrix.
   UnsetArray<PackedPoint<D, n_numbers, 1>> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
@@ -416,7 +416,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
             if (const Index q = s.parent[j]; q >= s.n_real)
               own.faces += static_cast<double>(s.gradient_factor[k]) * s.reflection(pair.i, q);
           });
-        // The kernel is computed again: the list's is rounded together with the volume of one particle of the pair.
+        // The kernel is computed again: the list's is rounded together with the volume of one of the pair's particles.
         Number r{}, scale, length, others{};
         for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
         sqrt_in_place(r);

@@ -11,7 +11,7 @@
 namespace poretwin::fluid {
 namespace {
 
-/// Data of a point that the sums over pairs read, packed.
+/// The data of a point that the sums over pairs read, packed together.
 template <int D>
 struct alignas(32) Summed {
   Vec<D> position;
@@ -19,13 +19,13 @@ struct alignas(32) Summed {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// Rows of pairs found by one part, a share of the particles. Each object has cache lines of its own, since lines
-/// shared by threads are slow to write.
+/// Rows of pairs found by one part of the search, for its share of the particles. Each object has cache lines of its
+/// own, since lines that threads share are slow to write.
 struct alignas(64) FoundRows {
   std::vector<Index> offset, other;
 };
 
-/// Finds the rows of all points nearer than the mean support of the two; each row is padded to a multiple of four.
+/// Finds for each point all points nearer than the mean of both supports; each row is padded to a multiple of four.
 template <int D>
 void find_pairs(double largest, Stencil<D>& s) {
   sph::CellGrid<D> grid;
@@ -58,7 +58,7 @@ void find_pairs(double largest, Stencil<D>& s) {
       offset.push_back(static_cast<Index>(other.size()));
     }
   };
-  // Piece by piece: one array for all would need memory for the largest possible number of pairs.
+  // In pieces: one array for all rows would need memory for the largest possible number of pairs.
   constexpr std::size_t piece = 16384;
   const std::size_t n_threads = parts_for(s.n_real, s.worth_threads),
                     parts = std::max(n_threads == 1 ? 1 : 4 * n_threads, s.n_real / piece);
@@ -82,12 +82,12 @@ void find_pairs(double largest, Stencil<D>& s) {
   });
 }
 
-/// Two kinds of still water stand side by side at a crest: buffers behind the soil's face, and images behind the sill.
-/// Each is seen only by the water that meets it: other pairs become pairs of the particle with itself, which are zero.
+/// At a crest, buffers behind the soil's face, which only water in soil sees, stand beside images behind the sill,
+/// which only free water sees. Other pairs with them become pairs of the particle with itself, which are zero.
 template <int D>
 void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free, Stencil<D>& s) {
   const std::size_t n = s.n_real;
-  std::vector<char> soils(s.size(), 0), sills(s.size(), 0);  // kinds of ghosts
+  std::vector<char> soils(s.size(), 0), sills(s.size(), 0);  // which points are ghosts of the two kinds
   bool any = false;
   for (std::size_t j = n; j < s.size(); ++j) {
     const Index q = s.parent[j];
@@ -115,7 +115,7 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
       if (near.empty() && s.beyond[a] == 0) continue;
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k];
-        // Evaluated in the same order for both particles of a pair, so that the pair is in both rows or in neither.
+        // The order is the same for both particles of a pair, so that the pair is in both rows or in neither.
         const bool seen = j >= s.n_base ? sight.sees(x, j, s.n_base, s.position, s.by, s.of, near)
                                         : sight.open(s.position[std::min<std::size_t>(a, j)],
                                                      s.position[std::max<std::size_t>(a, j)], near);
@@ -125,7 +125,7 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
   });
 }
 
-/// Images by walls of any shape are seen from their original's side of the plane midway only.
+/// An image by walls of any shape is seen only from its original's side of the plane midway between the two.
 template <int D>
 void hide_from_behind(Stencil<D>& s) {
   if constexpr (D == 3) {
@@ -139,13 +139,13 @@ void hide_from_behind(Stencil<D>& s) {
   }
 }
 
-/// Where a wall ends at a face, removes the pairs of a particle with an image behind the wall whose line of sight
-/// crosses the face, and with a buffer behind the face whose line of sight crosses the wall: they become pairs of the
-/// particle with itself, which are zero.
+/// Where a wall ends at a face, removes pairs of a particle with an image behind the wall, if their line of sight
+/// crosses the face, and with a buffer behind the face, if it crosses the wall. They become pairs of the particle with
+/// itself, which are zero.
 template <int D>
 void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& s) {
   for (const auto& joint : joints) {
-    // Images extend for a margin beyond the wall's end, and pairs for a kernel's reach.
+    // Images extend beyond the wall's end by a margin, and pairs by the kernel's reach.
     const double near = wall_margin * reach + reach, rounding = 1e-9 * reach;
     parallel_for(s.n_real, [&](std::size_t a) {
       if (s.beyond[a] == 0) return;
@@ -168,8 +168,8 @@ void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& 
   }
 }
 
-/// Marks open water: particles with no soil over them, nor over any particle within reach. soilless [real]: 1 where no
-/// soil covers the particle; empty: everywhere.
+/// Marks open water: particles that no soil covers, and that have no particle covered by soil within reach. soilless
+/// [real]: 1 where no soil covers the particle; empty: no soil anywhere.
 template <int D>
 void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   s.open_water.assign(s.n_real, 1);
@@ -182,7 +182,7 @@ void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   });
 }
 
-/// What sum_pairs() keeps of a row: kernel sums, and the least distance over the smoothing length.
+/// What sum_pairs() computes for a row: kernel sums, and the least ratio of distance to smoothing length.
 template <int D>
 struct KernelSums : SumsOf<2 + D + D * (D + 1) / 2> {
   using Sums = SumsOf<2 + D + D * (D + 1) / 2>;
@@ -194,7 +194,7 @@ struct KernelSums : SumsOf<2 + D + D * (D + 1) / 2> {
 };
 
 /// Computes the kernels of all pairs and the sums over them; stores the moment matrices in place of the corrections.
-/// by_density: fullness of open water is measured with density_weight.
+/// by_density: the fullness of open water is measured with density_weight.
 template <int D>
 void sum_pairs(const Summed<D>* points, bool by_density, Stencil<D>& s) {
   static const double scale = Kernel<D>::normalisation(1.0);
@@ -251,7 +251,7 @@ void sum_pairs(const Summed<D>* points, bool by_density, Stencil<D>& s) {
 
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest) {
-  // The least eigenvalue; in 3D a lower bound: as far below the mean as the others can be above.
+  // The least eigenvalue. In 3D a lower bound: as far below the mean as the other two eigenvalues allow.
   const double mean = moment.trace() / D;
   const double lower = mean - std::sqrt((D - 1.0) / D * (moment - mean * Mat<D>::Identity()).squaredNorm());
   if (lower >= least) {
@@ -298,7 +298,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
-  // Of the points here: how far their images and pairs reach.
+  // The largest volume of the points on this rank, which determines the reach of images and pairs.
   double largest = one_rank::max_over(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_real + i] = buffers[i].position;
@@ -334,7 +334,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   if (sight.limited()) hide_behind_walls(sight, reach, s);
   if (surfaces) hide_from_behind(s);
   part_at_joints(joints, reach, s);
-  // The largest arrays first: smaller ones fit between.
+  // The largest arrays are allocated first: smaller ones fit in between.
   s.gradient_factor.resize(s.other.size());
   for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) array->resize(n);
   s.normal.resize(n);
@@ -351,8 +351,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   parallel_for(n, [&](std::size_t a) {
     const Mat<D> moment = s.correction[a];
     s.divergence[a] = moment.trace();
-    // The pair Laplacian of a quadratic is off by the kernel's second moment, 2.6 % on a lattice at this smoothing
-    // length; consolidation would be too fast or slow by as much. A value far from 1 means a surface, not disorder.
+    // For a quadratic, the pair Laplacian is wrong by the kernel's second moment, 2.6 % on a lattice at this smoothing
+    // length, and so would be the rate of consolidation. A value far from 1 means a surface, and not disorder.
     const double deficit = s.divergence[a] / D;
     s.amplification[a] =
         1.0 /

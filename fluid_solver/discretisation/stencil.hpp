@@ -1,5 +1,5 @@
-// The neighbourhoods of the particles at one instant: real particles, buffer particles outside faces of prescribed
-// pressure, and the images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
+// The neighbourhoods of the particles at one instant: pairs, kernel gradients and their corrections. The points are
+// real particles, buffer particles outside faces of prescribed pressure, and images behind walls and periodic sides.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -38,8 +38,8 @@ double spacing_of(double volume) {
   return root;
 }
 
-/// Sum of part(distance) over the points within reach on an infinite square (3D: cubic) lattice of unit spacing, the
-/// point itself included.
+/// Sum of part(distance) over the points within reach on an infinite square (3D: cubic) lattice of unit spacing,
+/// including the point itself.
 template <int D, class Part>
 double lattice_sum(Part part) {
   double sum = 0.0;
@@ -59,15 +59,15 @@ double lattice_fullness() {
 }
 
 /// Weight of a point in the density of open water (2D), with u = 1 - r / support; it is 1 at the point itself. It is
-/// nearly Hann's window, whose spectrum is close to zero where that of a packing is not, so that the sum hardly depends
-/// on the order of the points: at a jitter of 0.2 it is 0.3 % above a lattice's, where sum V W is 1.5 % above it; in
-/// flowing water 0.0 % (0.4 %). In 3D it would depend on the order as well (0.3 %).
+/// nearly Hann's window. Its spectrum is close to zero where that of a packing is not, so that the sum hardly depends
+/// on the order of the points: at a jitter of 0.2 spacings the sum is 0.3 % above a lattice's (sum V W: 1.5 %), in
+/// flowing water 0.0 % (sum V W: 0.4 %). In 3D it would depend on the order as well (0.3 %).
 template <class Number>
 [[gnu::always_inline]] inline void density_weight(const Number& u, Number& weight) {
   weight = u * u * (3.0 - 2.0 * u);
 }
 
-/// Sum of density_weight over a lattice, or over those of its planes that lie `distance` spacings or more away on one
+/// Sum of density_weight over a lattice, or over the lattice planes that lie `distance` spacings or more away on one
 /// side.
 template <int D>
 double lattice_density(std::optional<double> distance = {}) {
@@ -93,7 +93,7 @@ double lattice_amplification() {
   return value;
 }
 
-/// -W'/r [1/m^(D+2)] of pairs at distance r, with the inverses of their smoothing lengths; zero beyond the support.
+/// -W'/r [1/m^(D+2)] of a pair at distance r; inverse: of the pair's smoothing length. It is zero beyond the support.
 template <int D, class Number>
 [[gnu::always_inline]] inline void pair_gradient_factor(const Number& r, const Number& inverse, Number& factor) {
   static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
@@ -103,7 +103,7 @@ template <int D, class Number>
   factor = scale * (u * u * u) * (square * square) * (D == 2 ? Number{} + 1.0 : inverse);
 }
 
-/// W [1/m^D] of pairs at distance r, with the inverses of their smoothing lengths.
+/// W [1/m^D] of a pair at distance r; inverse: of the pair's smoothing length.
 template <int D, class Number>
 [[gnu::always_inline]] inline void pair_value(const Number& r, const Number& inverse, Number& value) {
   static const double scale = Kernel<D>::normalisation(1.0);
@@ -113,17 +113,17 @@ template <int D, class Number>
   value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Number{} + 1.0 : inverse);
 }
 
-/// Number of particles from which on loops over the pairs of each use several threads. A loop over that many takes one
-/// thread some 0.4 ms for water that runs alone, and 0.1 ms where the other processes of a coupled run wait for it. To
-/// wake a thread takes some 0.02 ms, and between two loops it is idle: a tenth less wall time for a sixth more CPU
-/// time.
+/// Loops over the pairs of at least this number of particles use several threads. One thread takes some 0.4 ms for the
+/// loop over 8192 particles, for water that runs alone, and 0.1 ms for 2048, where the other processes of a coupled run
+/// wait for it. To wake a thread takes some 0.02 ms, and between two loops the thread is idle: a tenth less wall time
+/// costs a sixth more CPU time.
 inline constexpr std::size_t worth_threads_in_pairs = 8192, worth_threads_while_others_wait = 2048;
 
 /// Length by which the images behind a wall continue beyond its end, in units of the kernel's reach.
 inline constexpr double wall_margin = points::wall_overhang / (sph::support_radius * points::smoothing_ratio);
 
 /// A buffer particle represents the water behind a face. It has no unknown of its own: its pressure lies on the
-/// straight line from the particle whose row is summed through the face's pressure.
+/// straight line between the pressure of the particle whose row is summed and the face's pressure.
 template <int D>
 struct Buffer {
   Vec<D> position;
@@ -132,14 +132,14 @@ struct Buffer {
   double outside = 0.0;                                   ///< m, distance from the face
   Vec<D> foot = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< m, foot of its column on the face; unit normal into the
                                                           ///< domain
-  bool in_soil = false;                                   ///< the ground before the face is soil
+  bool in_soil = false;                                   ///< the ground in front of the face is soil
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
 
-/// The end of a wall at which a face with columns begins, straight on or turned away from the domain. What stands
-/// behind each of the two continues without end. For two points on either side of the wall's line, the one of the two
-/// that their line of sight crosses counts. This is the same for both points, so that the matrix stays symmetric and
-/// nothing is seen twice.
+/// The end of a wall at which a face with columns begins, straight on or turned away from the domain. What lies behind
+/// the wall and behind the face continues without end. For two points on either side of the wall's line, that one of
+/// the two applies which their line of sight crosses. It is the same for both points, so that the matrix stays
+/// symmetric and no point is seen twice.
 template <int D>
 struct Joint {
   Vec<D> at = Vec<D>::Zero();                              ///< m
@@ -153,60 +153,60 @@ struct Joint {
 /// the pair lists, [columns] of the faces.
 template <int D>
 struct Stencil {
-  Domain domain;                       ///< whose owned particles are the real ones
-  std::size_t n_real = 0, n_base = 0;  ///< number of real particles; the same with buffers
+  Domain domain;                       ///< its owned particles are the real ones
+  std::size_t n_real = 0, n_base = 0;  ///< number of real particles; number of particles and buffers
   std::size_t worth_threads = worth_threads_in_pairs;
   VecArray<D> position;                   ///< [all]
   ScalarArray volume;                     ///< [all] V, m^D
   ScalarArray smoothing;                  ///< [all] h, m; in 3D only, where cube roots are slow
-  std::vector<Index> parent;              ///< [all] base point to which an image belongs; base points: themselves
+  std::vector<Index> parent;              ///< [all] base point to which an image belongs; a base point itself
   MatArray<D> map;                        ///< [images] linear map for vectors
   VecArray<D> carried;                    ///< [images] m/s, added to velocities: 2 U n behind a piston of speed U
-  std::vector<std::uint32_t> boundaries;  ///< [images] boundaries passed, one bit each
-  std::vector<Index> by, of;              ///< [images] see sph::Images; where lines of sight are limited
-  bool uneven_images = false;             ///< by walls of any shape: of a pair each sees another image of the other
+  std::vector<std::uint32_t> boundaries;  ///< [images] boundaries passed, one bit for each
+  std::vector<Index> by, of;              ///< [images] see sph::Images; only where lines of sight are limited
+  bool uneven_images = false;             ///< walls have any shape: two particles see different images of each other
   std::vector<Buffer<D>> buffers;         ///< [base - real]
 
-  /// Slope of the pressure at each face column, by a straight line through the face's pressure fitted to the particles
-  /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]). The range is empty
-  /// where the ground is dry.
+  /// Slope of the pressure at each face column: that of a straight line through the face's pressure, fitted to the
+  /// particles inside. slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]). The
+  /// range is empty where the ground is dry.
   std::vector<Index> fit_offset{0}, fit_index;
   ScalarArray fit_weight;    ///< 1/m
   ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, but not to that of an increment
 
-  /// Pairs of real particle a: offset[a] .. offset[a + 1], a multiple of four, padded with a itself, whose terms are
-  /// zero.
+  /// The pairs of real particle a are entries offset[a] .. offset[a + 1]. Their number is a multiple of four: they are
+  /// padded with a itself, whose terms are zero.
   std::vector<Index> offset{0};
   UnsetArray<Index> other;   ///< [pairs] the other point
-  std::vector<char> beyond;  ///< [real] 1 if some of its pairs are with points that are no real particles
-  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). Floats halve the memory. Moments are
-  /// sums of the rounded values, so that gradients of linear fields stay exact.
+  std::vector<char> beyond;  ///< [real] 1 if some of its pairs are with points that are not real particles
+  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). Single precision halves the memory.
+  /// Moments are sums of the rounded values, so that gradients of linear fields stay exact.
   UnsetArray<float> gradient_factor;
 
-  std::vector<char> open_water;      ///< [real] 1 if no soil covers it or any particle within its kernel's reach
-  UnsetArray<double> fullness;       ///< [real] sum V W, or sum V density_weight, over that of a lattice
-  UnsetArray<double> closest;        ///< [real] least distance to another point, over the pair's smoothing length
-  UnsetArray<double> divergence;     ///< [real] sum V div r: D inside; used until the surface has been found
-  UnsetArray<double> amplification;  ///< [real] factor on pair sums of second derivatives that makes them exact for a
+  std::vector<char> open_water;      ///< [real] 1 if no soil covers the particle or any other within its kernel's reach
+  UnsetArray<double> fullness;       ///< [real] sum V W, or sum V density_weight, over the sum of a lattice
+  UnsetArray<double> closest;        ///< [real] least distance from another point, over the pair's smoothing length
+  UnsetArray<double> divergence;     ///< [real] sum V div r: D inside; used until the surface is found
+  UnsetArray<double> amplification;  ///< [real] factor on pair sums of second derivatives; makes them exact for a
                                      ///< quadratic on average
   VecArray<D> normal;         ///< [real] 1/m, sum V grad W: points inwards where neighbours are missing on one side
-  std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: loose packing, no surface
+  std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: loose packing, not a surface
   std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face, at which the water ends
-  /// [real] Prescribed distance of a surface particle to the surface [m]; 0: half a spacing.
+  /// [real] Prescribed distance of a surface particle from the surface [m]; 0: half a spacing.
   OrZero<double> prescribed_surface_distance;
   OrZero<double> surface_pressure;  ///< [real] Pa, total pressure on the surface: 0, or a suction
-  MatArray<D> correction;           ///< [real] of the kernel gradient of pressures, with buffers and the free surface
-  /// [real] Smallest eigenvalue of the moment matrix: 1 inside, 0 where a direction has no neighbours. Where it exceeds
-  /// points::inside_moment, it may be a lower bound instead, which exceeds it, too. Used until the surface is found.
+  MatArray<D> correction;           ///< [real] of the kernel gradient of pressures; with buffers and the free surface
+  /// [real] Smallest eigenvalue of the moment matrix: 1 inside, 0 where a direction has no neighbours. A value above
+  /// points::inside_moment may be a lower bound of the eigenvalue. Used until the surface is found.
   UnsetArray<double> least_moment;
-  /// [real] Distance to the free surface along -normal [m]; 0: out of the kernel's reach. Set by find_surface. The
-  /// missing part of the kernel is then a ghost at twice the distance, antisymmetric about the surface's pressure.
+  /// [real] Distance from the free surface along -normal [m]; 0: out of the kernel's reach. Set by find_surface. A
+  /// ghost at twice this distance replaces the missing part of the kernel, antisymmetric about the surface's pressure.
   OrZero<double> ghost_distance;
-  /// [real] For seeping water below the row of surface particles: distance to the surface along -normal [m]; 0: out of
-  /// the kernel's reach. Set by find_surface. The surface's pressure then enters the Laplacian, too.
+  /// [real] For seeping water below the row of surface particles: distance from the surface along -normal [m]; 0: out
+  /// of the kernel's reach. Set by find_surface. Where it is set, the surface's pressure also enters the Laplacian.
   OrZero<double> front_distance;
-  /// [all] Kind of surface particle to which a point belongs: 1 of free water, 2 of seeping water, 0: none. Set by
-  /// find_surface.
+  /// [all] Kind of surface particle to which a point belongs: 1 of free water, 2 of seeping water, 0: the point belongs
+  /// to no surface particle. Set by find_surface.
   std::vector<char> on_surface;
 
   /// Corrections of a particle's gradients where its kernel's support is cut off, at a surface or a face. Other
@@ -220,7 +220,7 @@ struct Stencil {
   [[nodiscard]] const Mat<D>& correction_open(std::size_t a) const {
     return boundary_correction_of[a] == 0 ? correction[a] : boundary_corrections[boundary_correction_of[a] - 1].open;
   }
-  /// The boundary correction of particle a. If it has none yet, it gets one that starts from its correction.
+  /// The boundary correction of particle a. A particle that has none gets one, initialised with its `correction`.
   BoundaryCorrection& boundary_correction(std::size_t a) {
     if (boundary_correction_of[a] == 0) {
       boundary_corrections.push_back({correction[a], Mat<D>::Zero()});
@@ -233,7 +233,7 @@ struct Stencil {
   [[nodiscard]] double length(std::size_t j) const {
     return D == 3 ? smoothing[j] : points::smoothing_ratio * spacing_of<D>(volume[j]);
   }
-  /// Distance of a surface particle to the surface [m].
+  /// Distance of a surface particle from the surface [m].
   [[nodiscard]] double surface_distance(std::size_t a) const {
     return prescribed_surface_distance[a] > 0.0 ? prescribed_surface_distance[a] : 0.5 * spacing_of<D>(volume[a]);
   }
@@ -242,12 +242,12 @@ struct Stencil {
     for (auto* array : {&divergence, &least_moment}) *array = UnsetArray<double>();
   }
 
-  /// W of real particle a and any point [1/m^D]; 0 for the particle itself, with which rows are padded.
+  /// W of real particle a and any point [1/m^D]; 0 for the particle itself, which pads the rows.
   [[nodiscard]] double value(std::size_t a, Index j) const {
     if (j == a) return 0.0;
     return Kernel<D>::value((position[j] - position[a]).norm(), 0.5 * (length(a) + length(j)));
   }
-  /// sum V r grad W of real particle a, whose inverse is the correction.
+  /// sum V r grad W of real particle a. The correction is the inverse of this matrix.
   [[nodiscard]] Mat<D> moment(std::size_t a) const {
     Mat<D> sum = Mat<D>::Zero();
     for (Index k = offset[a]; k < offset[a + 1]; ++k) {
@@ -261,15 +261,15 @@ struct Stencil {
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
   }
-  /// 1 + |d_b|/d_a for the pair of real particle a and a point whose parent q is a buffer, with their distances from
-  /// the face. It has the same value wherever it is evaluated.
+  /// 1 + |d_b|/d_a for the pair of real particle a and a point whose parent q is a buffer, with the distances d of both
+  /// from the face. The value is bitwise the same wherever it is evaluated.
   [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
     const auto& b = buffers[q - n_real];
     const double inside = b.inside(position[a]);
     return static_cast<float>(
         1.0 + (points::most_reflected * inside <= b.outside ? points::most_reflected : b.outside / inside));
   }
-  /// Whether point j is an image behind one of these walls (one bit each).
+  /// Whether point j is an image behind one of these walls (one bit for each wall).
   [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {
     return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
   }
@@ -279,23 +279,23 @@ struct Stencil {
   [[nodiscard]] FullRows rows() const { return {offset.data(), other.data(), n_real, worth_threads}; }
 };
 
-/// Inverse of a symmetric moment matrix, with its eigenvalues raised to at least `least`. unresolved: 1 - inverse times
-/// moment, the directions that this leaves unresolved; smallest: the smallest eigenvalue, as in Stencil::least_moment.
+/// Inverse of a symmetric moment matrix, after its eigenvalues are raised to at least `least`. unresolved: 1 - inverse
+/// times moment, the directions that stay unresolved; smallest: the smallest eigenvalue, as in Stencil::least_moment.
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 
-/// The images of points behind whatever walls there are, at most `reach` [m] behind them.
+/// The images of points behind all walls that the case has, up to `reach` [m] behind the walls.
 template <int D>
 sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::ImagePlane<D>> planes,
                          const sph::Sight<D>& sight, const Surfaces* surfaces, double reach);
 
 /// Neighbourhoods of the particles at x [m] with their bulk volumes [m^D], buffers outside faces, and images behind
-/// planes. free [n]: particles in no soil (1) and others (0); empty: all. Water in soil does not see images behind a
-/// sill, nor free water buffers behind a face of soil. by_density: fullness of open water is measured with
-/// density_weight. worth_threads: number of particles from which on loops use several threads. sight: where it is
+/// planes. free [n]: 1 for particles in no soil, 0 for others; empty: all are free. Water in soil does not see images
+/// behind a sill; free water does not see buffers behind a face of soil. by_density: fullness of open water is measured
+/// with density_weight. worth_threads: number of particles from which on loops use several threads. sight: where it is
 /// limited, its planes make the images. joints: of walls and faces; images and buffers beyond them are seen as far as
-/// lines of sight reach. soilless [n]: 1 for particles that no soil covers, not even in part; empty: all.
-/// surfaces: walls of any shape and planes (3D), in place of the planes.
+/// lines of sight reach. soilless [n]: 1 for particles that no soil covers, not even in part; empty: all. surfaces:
+/// walls of any shape and planes (3D), which replace the planes.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},

@@ -1,4 +1,4 @@
-// The part of a pressure that gradients do not see, pair by pair.
+// The part of a pressure that gradients do not resolve, pair by pair.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -8,25 +8,25 @@
 
 namespace poretwin::fluid {
 
-/// The gradient G of a pressure that alternates from row to row is zero. Such a pressure shows in each pair of
-/// particles: the mean of the two gradients does not account for the whole difference between the two pressures. The
+/// A pressure that alternates from row to row has a gradient G of zero. It shows in each pair of particles, where the
+/// mean of the two gradients does not explain the whole difference between the two pressures. The unexplained
 /// remainder, summed over the pairs of a particle, is
 ///
 ///     S(p)_a = sum_b w_ab [p_a - p_b - (G_a + G_b).(x_a - x_b) / 2],   w_ab: weight of the pair in a Laplacian
 ///
-/// It is zero for a linear pressure on any points, walls and surfaces included, and where gradients are exact for a
-/// quadratic one. What pair (a, b) gives to a it takes from b, so that the sum over all particles is zero. The
-/// Laplacian less the divergence of the gradient has neither property: on disordered points it is 2 g.sum V grad W
-/// under a linear pressure of slope g (decision 0031).
+/// S(p) is zero for a linear pressure on any points, walls and surfaces included, and, where gradients are exact for
+/// it, for a quadratic pressure. Pair (a, b) adds to a what it takes from b, so that the sum of S over all particles is
+/// zero. The Laplacian less the divergence of the gradient has neither property: on disordered points it is 2 g.sum V
+/// grad W under a linear pressure of slope g (decision 0031).
 ///
-/// G is fitted to the pairs with other particles. Images beyond periodic sides are particles like any other. Images
-/// behind walls are left out: they have their parents' pressures, although the pressure in moving soil has a slope at
-/// walls. Water faces and the free surface are left out, too.
+/// G is fitted to the pairs with other particles. Images beyond periodic sides count as particles. Images behind walls
+/// are left out: they have their parents' pressures, although the pressure in moving soil has a slope at walls. Water
+/// faces and the free surface are left out, too.
 template <int D>
 class UnresolvedPressure {
  public:
   UnresolvedPressure() = default;
-  /// laplacian [m^(D-2)]: of mobility 1 on this stencil. Both must outlive the object.
+  /// laplacian [m^(D-2)]: of mobility 1 on this stencil. The stencil and the laplacian must outlive the object.
   UnresolvedPressure(const Stencil<D>& stencil, const PairMatrix& laplacian)
       : s_(&stencil), weights_(&laplacian), inverse_(stencil.n_real) {
     parallel_for(s_->n_real, [&](std::size_t a) {

@@ -34,8 +34,8 @@ double share_of_rows(const Setup<D>& setup, double interval) {
 template <int D>
 void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, double share, State<D>& state) {
   auto& p = state.particles;
-  // In soil at rest that is full of water, with water behind every face, no air can enter. A gap of one spacing at the
-  // end of a face is then no surface. If it counted as one, it would draw in the water of several spacings.
+  // No air can enter soil at rest that is full of water, with water behind every face. A gap of one spacing at the end
+  // of a face is then no surface. If it counted as one, the water of several spacings would be drawn into it.
   const Domain& domain = setup.domain;
   const bool closed = domain.any(!state.columns.empty()) && domain.any(p.size() > 0) &&
                       (state.full || state.time == 0.0) && !setup.coupled && setup.is_projection() &&

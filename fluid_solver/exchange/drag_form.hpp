@@ -1,5 +1,5 @@
-// The smoothed drag of Bui & Nguyen (2017): a sum over pairs of water and soil particles, along the lines that join
-// them.
+// The smoothed drag of Bui & Nguyen (2017): a sum over pairs of water and soil particles. The drag of each pair acts
+// along the line that joins them.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -12,10 +12,10 @@
 
 namespace poretwin::fluid {
 
-/// The matrix G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil, which multiplies a uniform relative
-/// velocity in Eqs. (67), (74). With G = D (number of dimensions) it is the unit matrix in the mean over random points,
-/// but nowhere exactly: 0.68 where the lattices coincide, 0.65 and 1.34 along and across an edge
-/// (docs/theory/paper.md). With G = 1/D, as printed, it is D^2 times weaker.
+/// The matrix G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil. In Eqs. (67), (74) it multiplies a
+/// uniform relative velocity. With G = D (number of dimensions) its mean over random points is the unit matrix, but it
+/// is so nowhere exactly: 0.68 where the lattices coincide, 0.65 and 1.34 along and across an edge
+/// (docs/theory/paper.md). With G = 1/D, as printed in the paper, it is D^2 times weaker.
 template <int D>
 class SmoothedDrag {
  public:

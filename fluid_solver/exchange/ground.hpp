@@ -1,4 +1,4 @@
-// The soil as the case draws it, at rest: which soil lies at a place, and its properties for the water.
+// The soil as the case draws it, at rest: which soil lies at a place, and the soil's properties for the water.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -20,11 +20,11 @@ Point3 to_point3(const Vec<D>& x) {
 struct Stratum {
   int number = 0;                   ///< index in the case
   double porosity = 0.0;            ///< n
-  double fillable_porosity = 0.0;   ///< n (1 - s_r0): volume that water can fill, since the residual water of moist
+  double fillable_porosity = 0.0;   ///< n (1 - s_r0): volume fraction that water can fill; the residual water of moist
                                     ///< soil moves with the grains
   double initial_saturation = 0.0;  ///< s_r0
   double suction_head = 0.0;        ///< m, suction head at a wetting front
-  double critical_gradient = 0.0;   ///< at which water that leaves upwards lifts the grains
+  double critical_gradient = 0.0;   ///< gradient at which water that leaves upwards lifts the grains
   porous::Seepage seepage;          ///< law of seepage at this porosity
   porous::Resistance resistance;    ///< resistance to water that fills the fillable porosity
 };
@@ -49,7 +49,7 @@ class Ground {
     }
   }
 
-  /// The soil at a place, the first one where several overlap; nullptr where there is none.
+  /// The soil at a place (where several overlap, the first); nullptr where there is no soil.
   [[nodiscard]] const Stratum* at(const Vec<D>& x) const {
     const Point3 p = to_point3<D>(x);
     for (std::size_t i = 0; i < shapes_.size(); ++i)

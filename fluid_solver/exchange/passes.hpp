@@ -1,6 +1,6 @@
-// Passes through one window, which is repeated until the soil moves as the fluid predicted: interface quasi-Newton
-// (IQN-ILS; Degroote, Bathe & Vierendeels 2009) on the skeleton's motion. The fluid's prediction is the preconditioner:
-// each pass solves for the departure from the motion that the last pass found, for which the force is known.
+// Passes through one window, repeated until the soil moves as the fluid predicted: interface quasi-Newton (IQN-ILS;
+// Degroote, Bathe & Vierendeels 2009) on the skeleton's motion. The fluid's prediction is the preconditioner: each pass
+// solves for the departure from the motion that the solid found in the last pass, at which the force is known.
 #pragma once
 
 #include "common/numerics/dense.hpp"
@@ -13,7 +13,7 @@ template <int D>
 class Passes {
  public:
   /// Called before a pass. Extrapolates view.found_velocity and view.found_force, which the solid found in the last
-  /// pass, to the state from which this pass departs; removes the fluid's own force of the last pass from found_force.
+  /// pass, to the state from which this pass departs. Removes the fluid's own force of the last pass from found_force.
   void begin(unsigned pass, SoilView<D>& view) {
     if (pass == 0 || !view.found_velocity.is_allocated() || predicted_.size() != view.size()) {
       columns_ = {};
@@ -54,7 +54,7 @@ class Passes {
     }
   }
 
-  /// Called after a pass with the predicted motion of the skeleton [m/s] and the force of pressure and drag on it
+  /// Called after a pass. predicted: predicted motion of the skeleton [m/s]; given: force of pressure and drag on it
   /// [N/m3].
   void end(const ScalarArray& pressure, const OrZero<Vec<D>>& predicted, const OrZero<Vec<D>>& given) {
     pressure_ = pressure;
@@ -62,11 +62,11 @@ class Passes {
     given_ = given;
   }
 
-  /// Pressure at the end of the last pass [Pa]; empty before the first.
+  /// Pressure at the end of the last pass [Pa]; empty before the first pass.
   [[nodiscard]] const ScalarArray& pressure() const { return pressure_; }
-  /// Motion of the skeleton that the last pass predicted [m/s].
+  /// Velocity of the skeleton that the last pass predicted [m/s].
   [[nodiscard]] const VecArray<D>& predicted() const { return predicted_; }
-  /// Motion of the skeleton that the solid found in the last pass [m/s].
+  /// Velocity of the skeleton that the solid found in the last pass [m/s].
   [[nodiscard]] const OrZero<Vec<D>>& found() const { return found_; }
 
  private:

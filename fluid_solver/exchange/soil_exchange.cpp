@@ -13,8 +13,8 @@ SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const couplin
                      const SeepageRegime& regime) {
   const auto& x = state.particles.position;
   const std::size_t n = x.size();
-  // Water that is about to enter or leave the soil through one of its faces counts as inside. Water that runs down the
-  // outside of the soil does not.
+  // Water about to enter or leave the soil through one of its faces counts as inside. Water that runs down the outside
+  // of the soil does not count as inside.
   const ColumnFinder<D> finder(state.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     const int i = finder.nearest(point);
@@ -186,7 +186,7 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
   out.points.volume = cloud.volume;
   out.points.smoothing_length = cloud.length;
   out.points.owner = cloud.owner;
-  // The values of the first n points; zeros for the others.
+  // The values of the first n points, and zeros for the others.
   const auto flat = [&cloud](const auto& from, std::size_t n) {
     std::vector<double> values(cloud.size() * D, 0.0);
     for (std::size_t a = 0; a < n; ++a)

@@ -9,66 +9,66 @@
 
 namespace poretwin::fluid {
 
-/// The soil at the water's particles: from the other process, or at rest as the case draws it.
+/// The soil at the water's particles: received from the other process, or at rest as the case draws it.
 template <int D>
 SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,
                      const SeepageRegime& regime);
 
-/// Sets the particles' bulk volumes from the porosity of the soil that they are in, and notes which soil that is; their
+/// Sets the particles' bulk volumes from the porosity of the soil in which they lie, and stores which soil it is. Their
 /// mass stays the same.
 template <int D>
 void fit_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p);
 
-/// Fills the pores at the start: a particle's bulk volume is its cell of the lattice, and the porosity there sets its
-/// mass.
+/// Fills the pores at the start: a particle's bulk volume is its cell of the lattice, and the porosity at the particle
+/// determines its mass.
 template <int D>
 void fill_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p);
 
-/// Gives each column in soil the porosity of the water's surroundings before it, where that is not the case's: another
-/// program may take the place of the solid.
+/// Gives each column in soil the porosity of the water in front of it, where that differs from the porosity of the
+/// case: another program may take the place of the solid.
 template <int D>
 void fit_columns_to_pores(const Setup<D>& setup, State<D>& state);
 
 /// Applies the impulse that the soil returned. Where the soil's velocity departed from the last window's prediction,
-/// drag entrains its water by C / (a + C) of the departure, a = n rho / dt (Eq. (27) at that window's pressure).
+/// drag entrains the soil's water by C / (a + C) of the departure, a = n rho / dt (Eq. (27) at that window's pressure).
 ///
-/// The soil has already met the inertia of that water (Solid::advance), evaluated at its own points. The difference
-/// between the two evaluations is small and uneven. It is distributed over the soil's water within one kernel support,
-/// so that the total momentum is conserved.
+/// The soil's own motion already includes the inertia of that water (Solid::advance), evaluated at the soil's points.
+/// The difference between the two evaluations is small and uneven. It is distributed over the soil's water within one
+/// kernel support, so that the total momentum is conserved.
 template <int D>
 void apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view, State<D>& state);
 
-/// Applies the drag about the window's initial relative velocity to `velocity`, Eq. (75) as corrected, and removes it
-/// from the solve. Returns its force [N/m3].
+/// Applies the drag for the window's initial relative velocity to `velocity`, Eq. (75) as corrected, and removes that
+/// drag from the solve. Returns the drag's force [N/m3].
 template <int D>
 VecArray<D> apply_drag(const Setup<D>& setup, const Particles<D>& p, double interval, SoilView<D>& view,
                        VecArray<D>& velocity);
 
-/// Stores the impulse of the drag on the soil. of_prediction [N/m3]: force that apply_drag has applied; empty: none.
+/// Stores the impulse of the drag on the soil. of_prediction [N/m3]: force that apply_drag has applied; empty: zero.
 template <int D>
 void give_drag_impulse(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> of_prediction,
                        double interval, State<D>& state);
 
-/// Stores the force of pressure and drag on the soil, evaluated at the water's points. The soil reports its balance of
-/// forces with its own evaluation of these two; the difference between the two evaluations must not move the soil.
+/// Stores the force of pressure and drag on the soil, evaluated at the water's points. The soil evaluates the same
+/// forces for the balance of forces that it reports. The difference between the two evaluations must not move the soil.
 template <int D>
 void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,
                           double interval, Particles<D>& p);
 
-/// Stores the pressure gradient at the free surface of moving soil, which the soil uses in place of its own. The soil's
-/// own gradient knows only the pressures at its points. One-sided at the surface, it turns the pressure that a grain's
-/// motion causes into a force in the direction of that motion, and a departing grain would accelerate without end.
+/// Stores the pressure gradient at the free surface of moving soil, for use in place of the soil's own gradient. The
+/// latter uses only the pressures at the soil's points and is one-sided at the surface: it turns the pressure that a
+/// grain's motion causes into a force in the direction of that motion, and accelerates a departing grain without end.
 template <int D>
 void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,
                             Particles<D>& p);
 
-/// Predicts the skeleton's new velocity explicitly, where the skeleton kept its velocity in the solve (plain
-/// staggering).
+/// Predicts the skeleton's new velocity explicitly, for schemes in which the skeleton keeps its velocity in the solve
+/// (plain staggering).
 template <int D>
 void predict_explicitly(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,
                         double interval, Particles<D>& p);
 
-/// Stores the change of the skeleton's velocity in the solve. from [n]: its velocity before, m/s.
+/// Stores the change of the skeleton's velocity in the solve. from [n]: the skeleton's velocity before the solve, m/s.
 template <int D>
 void store_change_of_soil(const OrZero<Vec<D>>& from, Particles<D>& p);
 

@@ -1,5 +1,5 @@
-// The soil as the fluid sees it: arrays of length n at the fluid's particles, mapped from the solid or, for rigid soil,
-// taken from the case.
+// The soil at the fluid's particles, as arrays of length n. They are mapped from the solid or, for rigid soil, taken
+// from the case.
 #pragma once
 
 #include "common/core/or_zero.hpp"
@@ -19,40 +19,40 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
-  std::vector<int> number;  ///< [n] index of the soil in the case, -1: none; empty for soil that moves
+  std::vector<int> number;  ///< [n] index of the soil in the case; -1: in no soil; empty for soil that moves
   OrZero<double> coverage;  ///< [n] coverage by the points of soil that moves: 1 inside, 0 out of their reach
-  ScalarArray fraction;     ///< [n] solid fraction n_s, with the residual water of moist soil
+  ScalarArray fraction;     ///< [n] solid fraction n_s, which includes the residual water of moist soil
   std::vector<porous::Resistance> resistance;  ///< [n] zero in free water; empty where `drag` is the whole law
-  /// [n] Tangent of the drag at the present relative velocity: R = C w' - f with C [N s/m4] and f [N/m3] (drag_offset),
-  /// along the direction of flow. f is zero for Darcy's law.
+  /// [n] Tangent of the drag at the present relative velocity, along the direction of flow: R = C w' - f with C [N
+  /// s/m4] (drag) and f [N/m3] (drag_offset). f is zero for Darcy's law.
   ScalarArray drag;
   OrZero<Vec<D>> drag_offset;
-  MatArray<D> drag_form;               ///< [n] factor on the relative velocity in a smoothed drag; empty: none
+  MatArray<D> drag_form;               ///< [n] factor on the relative velocity in a smoothed drag; empty: no factor
   OrZero<double> density;              ///< [n] R = n_s rho_s of soil that moves, kg/m3
   OrZero<double> modulus;              ///< [n] M = K + 4 G / 3, Pa
   OrZero<double> plastic_shear_ratio;  ///< [n] plastic over total shear strain in the soil's last window
   OrZero<Vec<D>> velocity;             ///< [n] v_s, m/s
   OrZero<Vec<D>> mean_velocity;        ///< [n] mean of v_s over the soil's last window, m/s
-  OrZero<double> strain_rate;  ///< [n] volumetric strain rate over that window, as the soil's stress law integrates it,
-                               ///< 1/s
-  OrZero<Vec<D>> force;        ///< [n] r: unbalanced force with the soil's weight, without pressure and drag, N/m3
+  OrZero<double> strain_rate;  ///< [n] volumetric strain rate over the soil's last window, as its stress law integrates
+                               ///< it, 1/s
+  OrZero<Vec<D>> force;        ///< [n] r: unbalanced force; includes the soil's weight, not pressure and drag, N/m3
   /// In a repeated window: the mean velocity of the soil that the last pass found [m/s], and the unbalanced force that
-  /// remained, without pressure and drag [N/m3].
+  /// remained in it, without pressure and drag [N/m3].
   OrZero<Vec<D>> found_velocity, found_force;
-  /// [n] Impulse that the soil absorbed in its last window beyond that of the drag, N s. Momentum balance requires the
-  /// water to supply it.
+  /// [n] Impulse that the soil absorbed in its last window beyond the impulse of the drag, N s. Momentum balance
+  /// requires the water to supply this excess.
   OrZero<Vec<D>> returned_impulse;
   void resize(std::size_t n) {
     for (auto* a : {&mask, &fraction, &drag}) a->assign(n, 0.0);
     resistance.assign(n, {});
   }
   [[nodiscard]] std::size_t size() const { return mask.size(); }
-  /// Whether the tangent differs from the law.
+  /// Whether the tangent differs from the law of drag.
   [[nodiscard]] bool nonlinear() const {
     return !drag_form.empty() ||
            std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
   }
-  /// Sets the tangent about the relative velocity of water and soil.
+  /// Sets the tangent for the relative velocity of water and soil.
   void linearise(std::span<const Vec<D>> water, const OrZero<Vec<D>>& soil) {
     const bool curved = nonlinear();
     drag_offset.allocate(curved ? size() : 0);
@@ -65,7 +65,7 @@ struct SoilView {
     });
     forget_law();
   }
-  /// Frees the law where the tangent is the whole law.
+  /// Frees the law of drag where the tangent is the whole law.
   void forget_law() {
     if (!nonlinear()) resistance = std::vector<porous::Resistance>();
   }
@@ -78,7 +78,7 @@ struct SoilView {
 
 /// Whether inertia dominates in soil, as in free water: drag then needs longer than 0.1 sqrt(spacing/g) to stop water.
 /// At a spacing of 2 cm that is 4.5 ms, or a drag rate C / (n rho_w) of 220 1/s: rockfill has about 20 1/s, sand (k =
-/// 1e-3 m/s, n = 0.4) 3900 1/s. The time is a third of the window that a free surface allows.
+/// 1e-3 m/s, n = 0.4) 3900 1/s. The time is a third of the longest window for a free surface.
 inline bool inertia_rules(double n, double density, double drag, double spacing, double gravity) {
   return gravity > 0.0 && drag * exchange::held_within * std::sqrt(spacing / gravity) < n * density;
 }
@@ -86,10 +86,10 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
 /// The quantities that decide whether water seeps through soil or moves along with it.
 struct SeepageRegime {
   double density = 0.0;      ///< kg/m3, of water
-  double speed = 0.0;        ///< m/s, speed up to which soil counts as at rest
+  double speed = 0.0;        ///< m/s, soil below this speed counts as at rest
   bool long_window = false;  ///< the window is longer than free water's surface waves allow
-  /// Whether soil with this plastic shear ratio and speed [m/s] moves. In long windows its motion is quasi-static, from
-  /// equilibrium to equilibrium, and water seeps in and out.
+  /// Whether soil with this plastic shear ratio and speed [m/s] counts as moving. In long windows its motion is
+  /// quasi-static, from equilibrium to equilibrium, and water seeps in and out.
   [[nodiscard]] bool soil_moves(double plastic_shear_ratio, double soil_speed) const {
     return (plastic_shear_ratio > 0.5 || soil_speed > speed) && !long_window;
   }
@@ -99,9 +99,9 @@ struct SeepageRegime {
 ///
 /// There are two exceptions. Where drag needs more than a spacing to stop the water, C spacing < n rho |w| (drag
 /// coefficient C, porosity n, water density rho, relative velocity w), the water flows as free water does. Where the
-/// soil itself moves, its water moves along and has a free surface (not in long windows, whose motion is quasi-static).
-/// At a wetting front the pressure is a natural boundary condition and does not enter the gradient. That is right for a
-/// front whose speed follows from the pressure. A mixture with inertia that moves inwards would be accelerated further
+/// soil moves, its water moves along and has a free surface (not in long windows, in which the motion is quasi-static).
+/// At a wetting front the pressure is a natural boundary condition and does not enter the gradient. This is right for a
+/// front whose speed follows from the pressure. It would further accelerate a mixture with inertia that moves inwards
 /// (a surface wave over liquefied soil grew sevenfold in 2 ms).
 template <int D>
 bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing,
@@ -112,23 +112,23 @@ bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& vel
 }
 
 /// Soil membership from the asymmetry of the soil's points around a place, before it is bounded to [0, 1]: a ramp
-/// around the value on a flat edge, 0.47. It is 1 at 0.31 and less, so that disorder inside the soil (0.3 at most, for
-/// particles anywhere in their cells) does not change the porosity.
+/// around 0.47, the value on a flat edge. The membership is 1 for an asymmetry of 0.31 and less, so that disorder
+/// inside the soil (0.3 at most, for particles anywhere in their cells) does not change the porosity.
 inline double membership_ramp(double asymmetry) {
   return (exchange::outside_asymmetry - asymmetry) / exchange::ramp_width;
 }
 inline double membership(double asymmetry) { return std::clamp(membership_ramp(asymmetry), 0.0, 1.0); }
 
-/// Soil membership of water in or beside tight soil that moves, with hysteresis; `before` is its previous value. Such
-/// soil carries its pore water along, and water that flows past its edge stays outside. The points of an edge form a
-/// staircase, so that the asymmetry oscillates as water passes: a membership between 0 and 1 reverses only after the
-/// asymmetry has gone back by half of the ramp's width (backlash).
+/// Soil membership, with hysteresis, of water in or beside tight soil that moves; `before` is its previous value. Such
+/// soil carries its pore water along, and water that flows past the soil's edge stays outside. The points of an edge
+/// form a staircase, so that the asymmetry oscillates as water passes. Hence a membership between 0 and 1 reverses only
+/// after the asymmetry has gone back by half of the ramp's width (backlash).
 inline double membership(double asymmetry, double before) {
   const double ramp = membership_ramp(asymmetry);
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
 }
 
-/// Soil as the case draws it, at rest and without yielding. drag: whether it resists the water.
+/// Soil as the case draws it, at rest and without yielding. drag: whether the soil resists the water.
 template <int D>
 SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
   SoilView<D> soil;
@@ -147,8 +147,8 @@ SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, 
 }
 
 /// Soil of the other process, mapped to the fluid's particles. asymmetry [n]: of the soil's points around each
-/// particle, set to 0 where a particle counts as in the soil wherever any is within reach. before [n]: previous
-/// membership, used with hysteresis where tight soil moves.
+/// particle; 0 where a particle counts as in the soil wherever soil is within reach. before [n]: previous membership,
+/// used with hysteresis where tight soil moves.
 template <int D>
 SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std::span<const double> asymmetry,
                         std::span<const double> before, const SeepageRegime& regime) {
@@ -179,7 +179,7 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.returned_impulse.set(a, vector(returned, a));
-    const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
+    const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil itself
     const auto passes_by = [&] {
       const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
       if (!moves || !setup.drag || !(conductivity[a] > 0.0)) return false;

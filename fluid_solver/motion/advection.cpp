@@ -12,9 +12,9 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Displacement of the surface, half a spacing outside its particles, beyond theirs in a window. Without it a wave is
-/// slow in the ratio of that half spacing to its depth of decay (1.8 % at 50 particles per wavelength), and a front
-/// lags by half a spacing.
+/// Displacement in a window of the surface, half a spacing outside its particles, beyond that of these particles.
+/// Without it waves are too slow, in proportion to the ratio of that half spacing to their depth of decay (1.8 % at 50
+/// particles per wavelength), and a front lags by half a spacing.
 template <int D>
 Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, double distance, double interval) {
   const Vec<D> n = inward.normalized();
@@ -46,8 +46,8 @@ void displace(const Setup<D>& setup, const Walls<D>& walls, Particles<D>& p, std
 
 }  // namespace
 
-/// Free water moves half a window before the solve and half a window after it (leapfrog): second order, without damping
-/// of its own.
+/// Free water moves half a window before the solve and half a window after it (leapfrog). This is of second order and
+/// has no damping of its own.
 template <int D>
 void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Particles<D>& p) {
   parallel_for(p.size(), [&](std::size_t a) {
@@ -60,7 +60,7 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,
           std::span<const Vec<D>> repair, double interval, State<D>& state) {
   auto& p = state.particles;
-  // Water in soil that moves as a whole keeps its packing: only its motion through the soil disorders it.
+  // Water in soil that moves as a whole keeps its packing: only motion of the water through the soil disorders it.
   auto motion = moved<D>(state.particles);
   ScalarArray speed(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
@@ -81,11 +81,11 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
       d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance(a), interval);
     const double before = p.pressure[a] + setup.weight.dot(p.position[a] - setup.origin);
     p.pressure[a] += solution.gradient[a].dot(p.in_seepage[a] != 0 ? d : shift[a]);
-    // A shifted particle arrives where the water has another velocity.
+    // A shifted particle takes the velocity that the water has where the particle arrives.
     if (p.in_seepage[a] == 0 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace<D>(setup, walls, p, a, d, true);
-    // Seeping water that reaches its surface has the surface's pressure, not one beyond it.
+    // Seeping water that reaches its surface takes the surface's pressure, not one extrapolated beyond it.
     if (p.in_seepage[a] != 0 && p.surface[a] != Surface::interior)
       p.pressure[a] = std::max(
           p.pressure[a], std::min(before, s.surface_pressure[a]) - setup.weight.dot(p.position[a] - setup.origin));

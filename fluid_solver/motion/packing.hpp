@@ -1,5 +1,5 @@
-// Even spacing of the particles: shifting along the gradient of concentration, and separation of pairs that come too
-// close.
+// Even spacing of the particles: shifting along the gradient of concentration, and separation of pairs of particles
+// that come too close.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -10,7 +10,7 @@
 
 namespace poretwin::fluid {
 
-/// Displacement by shifting per speed times dt h, and per h^2; separation below which pairs are pushed apart, in
+/// Displacement by shifting: per speed times dt h, and per h^2. Separation below which pairs are pushed apart, in
 /// spacings.
 struct PackingLaw {
   double by_speed, by_length, closest;
@@ -20,9 +20,9 @@ inline constexpr PackingLaw packing_in_soil{motion::shift_by_speed_in_soil, moti
     packing_in_free_water{motion::shift_by_speed_in_free_water, motion::shift_by_length, motion::closest_in_free_water},
     packing_in_full_soil{motion::shift_by_speed_in_full_soil, motion::shift_by_length, motion::closest_in_soil};
 
-/// Displacements [m] that even out the packing. speed [m/s]: in soil relative to it. moved[a] in [0, 1] is a factor on
-/// them (0: at rest, nothing to repair). Shifting follows the gradient of concentration (after Lind et al. 2012); near the surface only its part along the
-/// surface.
+/// Displacements [m] that even out the packing. speed [m/s]: in soil relative to the soil. moved[a] in [0, 1] scales
+/// the displacement (0: at rest, needs no repair). Shifting follows the gradient of concentration (after Lind et al.
+/// 2012); near the surface only its component along the surface is used.
 template <int D>
 VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const double> speed, std::span<const double> moved,
                                   std::span<const Surface> flags, std::span<const char> in_seepage, double interval,
@@ -32,7 +32,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const double> s
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
     const PackingLaw& law = in_seepage[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
     const double h = s.length(a), spacing = h / points::smoothing_ratio;
-    // sum V grad W is zero in even surroundings and otherwise points to where particles are.
+    // sum V grad W is zero in even surroundings; elsewhere it points towards more particles.
     Vec<D> d = -(law.by_speed * h * speed[a] * interval + law.by_length * h * h) * s.normal[a];
     if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
       const Vec<D> normal = s.normal[a].normalized();
@@ -54,10 +54,10 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const double> s
   return shift;
 }
 
-/// Displacements [m] by which each particle's bulk volume expands by this fraction [n] (the sum of V expansion is
-/// zero), in water that fills the whole domain. They are the gradient of a potential, div d = expansion, without flow
-/// through walls and faces. They are the same in soils of any conductivity: the points are evened out, and no pressure
-/// has to drive them.
+/// Displacements [m] by which each particle's bulk volume expands by the fraction expansion [n] (the sum of V expansion
+/// is zero), in water that fills the whole domain. They are the gradient of a potential, with div d = expansion and no
+/// flow through walls and faces. They do not depend on the soils' conductivity: they even out the points, and no
+/// pressure is needed to drive them.
 template <int D>
 VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   auto matrix = laplacian<D>(s, {});
@@ -91,9 +91,9 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   return displacement;
 }
 
-/// Collisions of free water: pairs closer than `motion::collision` spacings lose the speed at which they approach;
-/// momentum is conserved. A particle on a wall loses its speed into the wall, against which the pressure of its own
-/// image cannot act.
+/// Collisions of free water: pairs closer than `motion::collision` spacings lose their speed of approach; momentum is
+/// conserved. A particle on a wall loses its velocity into the wall, since the pressure of its own image cannot stop
+/// it.
 template <int D>
 void collide(const Stencil<D>& s, std::span<const char> in_seepage, std::span<const double> mass,
              std::span<Vec<D>> velocity) {

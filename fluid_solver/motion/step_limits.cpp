@@ -13,7 +13,7 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Longest window in which particles follow the central force [s].
+/// Longest window in which particles can follow the central force [s].
 template <int D>
 double central_interval(const Setup<D>& setup) {
   const double force = setup.central_force;
@@ -27,8 +27,8 @@ double viscous_interval(const Setup<D>& setup, double wave_speed) {
   return all > 0.0 ? steps::viscous_courant * setup.spacing * setup.spacing / all : HUGE_VAL;
 }
 
-/// Bounds on changes behind a face or in a load in one window, however slow the water is: half a spacing of water.
-/// Tables need not make windows shorter than a fall through a spacing, since seepage follows nothing faster.
+/// Bounds on the change of a level or load in one window, whatever the water's speed: half a spacing of water. Tables
+/// need not make windows shorter than a fall through a spacing, since seepage responds to nothing faster.
 template <int D>
 AllowedChange allowed_change(const Setup<D>& setup, double longest) {
   const double rise = steps::wanted_rise * setup.spacing;
@@ -36,8 +36,8 @@ AllowedChange allowed_change(const Setup<D>& setup, double longest) {
           steps::least_for_tables * std::sqrt(setup.spacing / setup.gravity_or_standard), longest};
 }
 
-/// Limits by tables of loads of the window from `now` [s] on. Where the skeleton responds, the first wave of a load
-/// that begins is resolved.
+/// Applies the limits that tables of loads set to the window from `now` [s] on. Where the skeleton responds, the window
+/// resolves the first wave of a load that begins.
 template <int D>
 void limit_by_loads(const Setup<D>& setup, double first_interval, double now,
                     const std::function<void(double, const std::string&)>& apply) {
@@ -78,12 +78,12 @@ bool load_begins(const Setup<D>& setup, double time) {
   });
 }
 
-/// The first window is a fifth of the time in which the soil's waves pass a spacing.
+/// The first window is a fifth of the time in which a wave in the soil crosses a spacing.
 ///
-/// In elastic soil that is wet from the start, the first window is a fifth of the time in which a spacing drains, where
-/// that is longer. Before, the water holds the grains, and only shear moves, for which the solid refuses such a long
-/// window. Soil that may slide begins to do so at once. interval [s]: length of the window in which the soil first
-/// responds, 0 before it.
+/// In elastic soil that is wet from the start the first window is a fifth of the drainage time of a spacing, if that is
+/// longer. Until a spacing has drained, the water fixes the grains and only shear moves; the solid would then refuse
+/// such a long window. Soil that may slide begins to do so immediately. interval [s]: the window in which the soil
+/// first responds; 0 before it.
 template <int D>
 void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
                    double& first_interval) {
@@ -129,8 +129,8 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
   lightest = domain.min(lightest);
   heaviest = domain.max(heaviest);
   state.widest_range = std::max(state.widest_range, upper - lower);
-  // Water at rest has no range of its own: rounding must not shorten its windows. No pressure is resolved more finely
-  // than the weight of one spacing.
+  // The pressure of water at rest has no range beyond the hydrostatic one: rounding must not shorten its windows. The
+  // weight of one spacing of water is the finest pressure to be resolved.
   const double range =
       std::max({upper - lower, steps::widest_share * state.widest_range,
                 steps::hydrostatic_share * (heaviest - lightest), setup.weight.norm() * setup.spacing});
@@ -139,14 +139,14 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
   const double target =
       state.pressure_change > 0.0 ? interval * steps::wanted_change / state.pressure_change : HUGE_VAL;
   const double least =
-      steps::shrinks_to * std::min(interval, state.controlled);  // something else may have limited this window
+      steps::shrinks_to * std::min(interval, state.controlled);  // another limit may have shortened this window
   state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled),
                               steps::shortest_over_first * first_interval);
 }
 
-/// Limit of the next window where all water seeps, since its particles' motion is extrapolated from two windows. Noise
-/// of single particles cancels in the sum. Where particles pass into other soils their speed jumps though the flow is
-/// steady.
+/// Limit of the next window where all water seeps, since the motion of its particles is extrapolated from two windows.
+/// The sum over particles cancels the noise of single ones. Where particles pass into other soils their speed jumps in
+/// steady flow, too.
 template <int D>
 void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state) {
   state.window_limits.clear();
@@ -157,7 +157,7 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
   if (std::any_of(state.columns.begin(), state.columns.end(), open)) {
     const ColumnFinder<D> finder(state.columns);
-    // Of this rank, as all limits.
+    // Like all limits, of this rank only.
     const double fastest = one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
       const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
       if (i < 0) return 0.0;
@@ -179,9 +179,9 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
       {interval * std::max(0.5, std::sqrt(steps::wanted_slowing / altered)), "seepage that slows down"});
 }
 
-/// Limit of the next window by water in coarse soil, where inertia dominates: with its speed and the acceleration of
-/// the last window it moves by at most a quarter spacing. The speed alone says nothing of the next window when the
-/// water has just been stopped, by the base or by the surface that has come down on it.
+/// Limit of the next window by water in coarse soil, where inertia dominates. With its speed and the acceleration of
+/// the last window, a particle moves by at most a quarter spacing. The speed alone does not show how fast water will be
+/// if the base, or the surface that came down on it, has just stopped it.
 template <int D>
 void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const VecArray<D>& velocity_before,
                            double interval, State<D>& state) {
@@ -203,7 +203,7 @@ void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const
     state.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
 }
 
-/// Limits of the next window by an explicit scheme, for the present water and soil.
+/// Limits of the next window by an explicit scheme, from the present state of water and soil.
 template <int D>
 void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& state) {
   const auto& p = state.particles;
@@ -231,9 +231,9 @@ void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& stat
   state.window_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
 }
 
-/// Particles that have left soil at rest in the last window where it has no face: they are about to fall, though their
-/// regime is still that of the window's start. Empty: none. Only water at a surface can leave without passing into
-/// other free water.
+/// Particles that left soil at rest in the last window at a place without a face: they are about to fall, although
+/// their regime is still that of the window's start. Empty: there are none. Only water at a surface counts, since other
+/// water would pass into free water.
 template <int D>
 std::vector<char> left_soil(const Setup<D>& setup, const State<D>& state) {
   const auto& p = state.particles;
@@ -259,12 +259,12 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
-  // Searches by halving start from the other limits, or from a time much longer than any run.
+  // Searches by halving begin at the other limits, or at a time much longer than any run.
   const double ever = 1e12 * std::sqrt(setup.spacing / setup.gravity_or_standard);
   if (state.controlled > 0.0) apply(state.controlled, "pressure change per window");
   limit_by_loads(setup, first_interval, state.time, apply);
   for (const auto& l : state.window_limits) apply(l.interval, l.reason);
-  // In soil that moves quasi-statically water has no waves, even where it is not in the seepage regime.
+  // In soil that moves quasi-statically water has no waves, even outside the seepage regime.
   const double slow = quasi_static_speed(setup);
   const auto left = left_soil<D>(setup, state);
   const auto flows = [&](std::size_t a) {
@@ -272,7 +272,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     return p.in_seepage[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > slow);
   };
   const auto fastest_of = [&](bool flowing) {
-    // Of this rank, as all limits here; the least of all ranks counts.
+    // Like all limits here, of this rank only; finally the least over all ranks is taken.
     return one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
       return flows(a) == flowing ? p.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
     });
@@ -293,7 +293,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     apply(steps::free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && setup.weight.norm() > 0.0)
     apply(wave_interval(setup), "gravity waves of one spacing on the free surface");
-  // In soil the surface falls no faster than under a unit gradient, and no faster than freely.
+  // In soil, the water's surface falls at most at the speed under a unit gradient, and at most as fast as a free fall.
   if (table && setup.weight.norm() > 0.0)
     for (const auto& soil : setup.ground.strata()) {
       const double n = soil.porosity, gamma = setup.weight.norm();
@@ -303,7 +303,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     }
   apply(central_interval(setup), "central force");
   if (free_water)
-    // Of this rank, too.
+    // On this rank only, too.
     apply(viscous_interval(setup, one_rank::max_over(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
           "viscosity");
   for (std::size_t f = 0; f < faces.boundaries.size(); ++f)
@@ -313,8 +313,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
       apply(bound.interval, bound.reason);
     }
   for (const auto& inlet : state.inlets) {
-    // The longest window in which its piston moves by at most a quarter spacing, and in which a rise over the crest is
-    // not missed.
+    // The longest window in which the inlet's piston moves by at most a quarter spacing, and a rise of the water over
+    // the crest is not missed.
     const auto f = static_cast<std::size_t>(inlet.face);
     const auto level_over = [&](double time) { return faces.level(state, inlet.face, time).value() - inlet.lowest; };
     const double over = inlet.sill ? std::max(0.0, level_over(state.time)) : 0.0;
@@ -333,8 +333,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
     if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
   }
-  // A face without water inside it has no speed yet that limits the window. The limit is the time in which the front
-  // enters by half a spacing.
+  // Where a face has no water inside yet, there is no speed to limit the window. The limit is the time in which the
+  // front enters by half a spacing.
   if (p.size() == 0 || state.last_interval == 0.0) {
     std::vector<char> water(state.columns.size(), 0);
     const ColumnFinder<D> finder(state.columns);

@@ -10,7 +10,7 @@ namespace poretwin::fluid {
 template <int D>
 double wave_interval(const Setup<D>& setup);
 
-/// Speed [m/s] below which soil and the water in it count as at rest: a hundredth of what gravity gives in
+/// Speed [m/s] below which soil and the water in it count as at rest: a hundredth of the speed that gravity gives in
 /// wave_interval().
 template <int D>
 double quasi_static_speed(const Setup<D>& setup);
@@ -24,18 +24,18 @@ template <int D>
 bool load_begins(const Setup<D>& setup, double time);
 
 /// Starts the control of windows by the change of pressure. interval [s]: length of the window in which the soil first
-/// responds, 0 before it; first_interval [s]: is set to the length of the first window.
+/// responds; 0 before that window. first_interval [s]: is set to the length of the first window.
 template <int D>
 void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
                    double& first_interval);
 
-/// Sets the window that the control allows next from the pressure's change in this one. It does not depend on run time.
+/// Sets the next window that the control allows from this window's change of pressure, independently of the run time.
 template <int D>
 void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, double first_interval,
                       State<D>& state);
 
-/// Limits of the next window that follow from this one, stored in State::window_limits, which limit_by_slowing clears
-/// first.
+/// Limits of the next window that follow from this window. They are stored in State::window_limits; limit_by_slowing
+/// clears these first.
 template <int D>
 void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state);
 template <int D>
@@ -44,7 +44,7 @@ void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const
 template <int D>
 void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& state);
 
-/// The longest next window [s], and what limits it.
+/// The longest next window [s], and the reason for its limit.
 template <int D>
 std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,
                                           double first_interval);

@@ -14,14 +14,14 @@ double viscosity(const Setup<D>& setup, double wave_speed) {
   return std::max(setup.kinematic_viscosity, share * setup.spacing * wave_speed);
 }
 
-/// Three viscosities act on water outside soil: (1) that of the water itself, Eq. (76) as corrected, with pairs
-/// amplified as for the pressure, so that quadratics are exact on average; (2) a von Neumann-Richtmyer term between
-/// approaching particles, for impacts, of third order where the flow is smooth; (3) one on the part of the velocity
-/// that is not linear around a particle, against noise of single particles. All are antisymmetric in pairs of the water
-/// that they act on.
+/// Three viscosities act on water outside soil. (1) The water's own, Eq. (76) as corrected, with pairs amplified as for
+/// the pressure, so that quadratics are exact on average. (2) A von Neumann-Richtmyer term between approaching
+/// particles, for impacts; it is of third order where the flow is smooth. (3) One against noise of single particles,
+/// which acts on the part of the velocity that is not linear around a particle. All are antisymmetric in pairs of
+/// particles on which they act.
 ///
-/// Numerical viscosity does not act between free water and the water of tight soil that moves, whose relative motion is
-/// no noise. Drag fixes the soil's water to the soil, so that the opposite impulse would be lost.
+/// Numerical viscosity does not act between free water and the water of tight, moving soil, whose relative motion is no
+/// noise. Drag fixes this water to the soil, so that the opposite impulse would be lost.
 template <int D>
 VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                             std::span<const Mat<D>> velocity_gradient, double interval) {
@@ -31,15 +31,15 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
     result = v;
     parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * setup.periodic_gravity; });
   }
-  // In soil drag damps more than this viscosity would, unless inertia dominates there, too.
+  // In soil, drag damps more than this viscosity would, except where inertia dominates.
   std::vector<char> damped(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated<D>(setup, state.particles, view, a); });
   if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   using motion::impact_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, setup.no_slip);
-  // Data of a point: velocity, velocity gradient, smoothing length, viscosity on shear and on noise; 1 where moving
-  // soil carries the water along, else 0 (-1: a buffer, which does not count).
+  // Data of a point: velocity, velocity gradient, smoothing length, viscosity for shear and for noise; and 1 where
+  // moving soil carries the water along, 0 elsewhere, -1 for a buffer, which does not count.
   constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_shear = at_length + 1,
                         at_noise = at_shear + 1, at_carried = at_noise + 1;
   PackedPoints<D, at_carried + 1> points(s.size());
@@ -62,7 +62,7 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
     row[D + at_carried] = -1.0;
     if (!real) return;
     const double wave_speed = state.particles.wave_speed[q], shear = viscosity(setup, wave_speed);
-    // Numerical viscosity is no property of water and need not be exact.
+    // Numerical viscosity is no property of the water, and need not be exact: only the water's own is amplified.
     const bool own = shear <= setup.kinematic_viscosity;
     row[D + at_shear] = shear * (own ? s.amplification[q] : 1.0);
     row[D + at_noise] = motion::noise_viscosity * setup.spacing * wave_speed;
@@ -74,7 +74,7 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
           __attribute__((always_inline)) {
             using Number = NumberOf<decltype(pair)>;
             const double* const self = pair.self + D;
-            // w = factor ba: the speed of approach is the sum below over the length of w.
+            // w = factor times the vector ba. The speed of approach is this sum over the length of w.
             Number approach{}, size = Number{} + 1e-300;
             for (std::size_t d = 0; d < D; ++d) {
               approach -= (point[d] - self[d]) * w[d];

@@ -14,18 +14,18 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// The part of the divergence [1/s] left by the last window's solve that is deferred to later windows: in free water
-/// with one-sided neighbours. In windows shorter than half the longest one that the water's motion allows, only a
-/// fraction is removed, the window's length over that half, for each particle by its own motion.
+/// The part of the divergence [1/s] left by the last window's solve that is deferred to later windows, in free water
+/// with one-sided neighbours. If the window is shorter than half the longest window that a particle's motion allows,
+/// only the ratio of the two is removed, for each particle separately.
 ///
-/// With few neighbours on one side, a pressure gradient can reverse a divergence and leave it larger, by a few percent
+/// With few neighbours on one side, a pressure gradient can reverse a divergence and leave it larger by a few percent
 /// per solve, whatever the window's length. In many short windows it would grow until the water flies apart. The first
 /// window removes all of the initial divergence.
 ///
-/// Nothing is deferred in soil. Soil that falls on a floor closes the film of water under it within a millisecond; a
-/// film that may be compressed for the several milliseconds of a deferral takes up the blow and returns it. Half-way
-/// into the soil half is deferred, of the divergence with the soil's motion as the last solve predicted it: the
-/// difference from its actual motion is a source of its own (volume_source).
+/// Nothing is deferred in soil. Soil that falls on a floor closes the film of water under it within a millisecond. If
+/// the film could be compressed for the several milliseconds of a deferral, it would absorb the blow and return it. A
+/// particle half covered by soil defers half. The soil's motion in this divergence is that of the last solve's
+/// prediction: its difference from the actual motion is a source of its own (volume_source).
 template <int D>
 ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
                                 const SoilView<D>& view, double interval) {
@@ -47,12 +47,12 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
   return deferred;
 }
 
-/// Rate of expansion [1/s] of the soil beyond the motion that the water sees, as it is applied to the water. Where rows
-/// of soil slide past each other, the soil's kernel sums expand and contract by some 6e-4 of the shear, which the
-/// velocity mapped to the water does not show. Undrained soil that expands by 1e-4 loses all its strength. Therefore
-/// the volumetric strain that the soil itself integrates enters the water's volume balance (decision 0021). The rate is
-/// averaged over some windows, since a single one also sees the soil's shortest waves, which the mapping smooths. No
-/// part of the strain is lost.
+/// Rate of expansion [1/s] of the soil that the water cannot see in the mapped velocity, as it is applied to the water.
+/// Where rows of soil slide past each other, the soil's kernel sums expand and contract by some 6e-4 of the shear,
+/// which the mapped velocity does not show. Undrained soil that expands by 1e-4 loses all its strength. Therefore the
+/// volumetric strain that the soil itself integrates enters the water's volume balance (decision 0021). The rate is
+/// averaged over some windows, since a single window also contains the soil's shortest waves, which the mapping
+/// smooths. The average loses no part of the strain.
 template <int D>
 ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state.particles;
@@ -64,12 +64,12 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
   const auto shown = divergence<D>(s, view.mean_velocity.values());
   ScalarArray applied(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
-    bool within = view.mask[a] > 0.0;  // only inside the soil: at its edge the divergence contains the end of the soil
+    bool within = view.mask[a] > 0.0;  // inside only: at the soil's edge the divergence contains the end of the soil
     for (Index k = s.offset[a]; k < s.offset[a + 1] && within; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real) within = view.mask[q] > 0.0;
     const double rate = within ? view.strain_rate[a] - shown[a] : 0.0;
     const double strain = p.unseen_strain[a] + rate * came;
-    // Critically damped, in proportion to the window: a short window, cut at an output instant, must not jerk the soil.
+    // Critically damped, in proportion to the window: a short one, cut at an output instant, does not jerk the soil.
     const double wanted = rate + strain / (4.0 * memory);
     applied[a] = p.unseen_rate[a] + (wanted - p.unseen_rate[a]) * interval / memory;
     p.unseen_rate.set(a, applied[a]);
@@ -81,8 +81,8 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
 }  // namespace
 
 /// True in 2D where the pressure is solved for. In 3D density_weight has no advantage, and with explicit sweeps results
-/// are worse. It is not used beside soil (Stencil::open_water), where in a thin fast layer it would add 1 % to the
-/// energy.
+/// are worse with it. It is not used beside soil (Stencil::open_water), where it would add 1 % to the energy in a thin
+/// fast layer.
 template <int D>
 bool tells_density(const Setup<D>& setup) {
   return D == 2 && setup.is_projection();
@@ -107,11 +107,11 @@ ScalarArray moved(const Particles<D>& p) {
 
 namespace {
 
-/// In soil the repair takes a third of the time in which a unit gradient pushes water through one spacing, and at most
-/// the time in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so
-/// that loose water runs ahead and becomes looser. In free water the repair takes twenty times as long as a fall
-/// through one spacing or, where drag slows the water, twenty times n rho_w / C. It never takes less than two windows,
-/// since a faster repair oscillates. So it is a physical time, not a number of windows. speed [m/s]: of the flow.
+/// Time of the repair of the packing. In soil: a third of the time in which a unit gradient drives water through one
+/// spacing, and at most the time in which the flow passes one. (Pair sums conserve the square of the concentration
+/// times the velocity, so that loose water runs ahead and becomes looser.) In free water: twenty times a fall through
+/// one spacing or, where drag slows the water, twenty times n rho_w / C. It is a physical time, not a number of
+/// windows; but never less than two windows, since a faster repair oscillates. speed [m/s]: of the flow.
 template <int D>
 double repair_time_at(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                       double interval, double speed) {
@@ -125,10 +125,10 @@ double repair_time_at(const Setup<D>& setup, const Particles<D>& p, std::size_t 
       {motion::repair_windows * interval, std::min(free_repair_time(setup, spacing), held), std::min(pushed, passed)});
 }
 
-/// Fraction of the repair of the packing that takes moving soil along. Repaired as fast as water passes through the
-/// soil, water alone would move, as in soil at rest. What the soil's own motion adds to that rate moves the points of
-/// soil and water apart or together as one. This evens out points, it is no strain of the soil: a skeleton that counted
-/// it would turn packing errors of 1e-4 into hundreds of Pa of effective stress (decision 0031).
+/// Fraction of the repair of the packing that moves the soil, too. At the rate at which water passes through the soil,
+/// water alone moves, as in soil at rest. What the soil's own motion adds to that rate moves the points of soil and
+/// water together. This evens out points and is no strain of the soil: if the skeleton counted it as strain, packing
+/// errors of 1e-4 would cause hundreds of Pa of effective stress (decision 0031).
 template <int D>
 double taken_along(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                    double interval) {
@@ -150,13 +150,13 @@ template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full) {
   if (tells_density(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone)
     if (const double below = depth<D>(s, a); below > 0.0) {
-      // The missing side is filled with a lattice. A surface may be loose.
+      // A lattice fills the missing side beyond the surface. Looseness is no error there.
       static const double whole = lattice_density<D>();
       return std::max(0.0,
                       full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0);
     }
   double excess = full - 1.0;
-  // Near a surface the kernel is cut off, so that a deficit there is no error.
+  // Near a surface the kernel is cut off: a deficit there is no packing error.
   if (excess < 0.0 && !s.covered[a])
     excess *= std::clamp(1.0 - motion::cut_off * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
   const bool below = s.ghost_distance[a] > 0.0;
@@ -169,12 +169,12 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
   auto& p = state.particles;
   ScalarArray source = deferred_divergence<D>(setup, state, s, view, interval);
   // Pressure repairs a packing error by moving the surface or the inflow. A body of water that only walls surround has
-  // neither; there shifting alone evens the packing, since pressure would only push on the grains. Where all soil is
-  // full of water, no flow driven by pressure can even out the points; they are displaced instead (repair).
+  // neither: there pressure would only push on the grains, and shifting alone evens out the packing. Where all soil is
+  // full of water, no flow driven by pressure can even out the points: they are displaced instead (repair).
   auto motion = !state.full ? moved<D>(state.particles) : ScalarArray(p.size(), 0.0);
   if (p.closed_body.is_allocated())
     parallel_for(p.size(), [&](std::size_t a) { motion[a] *= p.closed_body[a] == 0 ? 1.0 : 0.0; });
-  // Voids opened by cavitation are no packing error.
+  // Voids opened by cavitation are not packing errors.
   const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
     if (!cavitates) return 0.0;
@@ -187,28 +187,28 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
   ScalarArray spreading(setup.responds ? p.size() : 0, 0.0);
   parallel_for(p.size(), [&](std::size_t a) {
     const double excess = packing_error<D>(setup, state.particles, s, a, s.fullness[a] + voids_near(a));
-    // In free water the repair of a disordered start begins gradually: at once it would act as an impact.
+    // In free water the repair of a disordered start begins gradually, since a sudden repair would act as an impact.
     const double begun =
         p.in_seepage[a] != 0 ? 1.0 : std::min(1.0, state.time / free_repair_time(setup, spacing_of<D>(p.volume[a])));
     const double repaired =
         begun * motion[a] * p.void_fraction[a] * excess / repair_time<D>(setup, state.particles, a, view, interval);
     source[a] += repaired;
     if (setup.responds) spreading[a] = repaired * taken_along<D>(setup, p, a, view, interval);
-    // Conserves volume to second order in the displacement: det(1 + dt grad v) = 1. Without this term a strain rate s
-    // compresses by dt s^2, and the repair of that compression adds energy.
+    // Makes volume exact to second order in the displacement: det(1 + dt grad v) = 1. Without this term, a strain rate
+    // s compresses the water at the rate dt s^2, and the repair of that compression adds energy.
     if (p.in_seepage[a] == 0)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(),
                               -motion::most_strain / interval, motion::most_strain / interval);
   });
   if (setup.responds) p.spreading = std::move(spreading);
   if (!setup.responds || state.last_interval <= 0.0) return source;
-  // The soil has moved differently from the prediction. The volumetric strain beyond the prediction is applied to the
-  // water no faster than it arose: after a long window, each short one applies only its fraction of it.
+  // The soil's actual motion differs from the prediction. The volumetric strain of this difference is applied to the
+  // water no faster than it arose: after a long window, each short one applies its fraction of it.
   const double came = state.last_interval, due = std::max(state.deferred_strain_due, interval);
   state.deferred_strain_due = std::max({0.0, state.deferred_strain_due - interval, came - interval});
   if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
-  // Fraction of the mixture's volume that moves with the skeleton: the grains and, by the drag against its inertia,
-  // pore water.
+  // Fraction of the mixture's volume that moves with the skeleton: the grains, and the part of the pore water that drag
+  // moves against its inertia.
   const auto follows = [&](std::size_t a) {
     const double aw = p.void_fraction[a] * setup.density / came;
     return view.fraction[a] + p.void_fraction[a] * view.drag[a] / (aw + view.drag[a]);
@@ -227,9 +227,9 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
   return source;
 }
 
-/// In saturated soil at rest the packing is repaired by displacements without net volume, so that no water passes a
-/// face. If pressure repaired it, disordered points, whose sum V W exceeds a lattice's, would press water out without
-/// end, and the pressure that moves water in one soil would act in all others.
+/// In saturated soil at rest, displacements without net volume repair the packing, so that no water passes a face. A
+/// repair by pressure would press water out without end where points are disordered, since their sum V W exceeds that
+/// of a lattice; and the pressure that moves water in one soil would act in all others.
 template <int D>
 VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                    double interval) {
@@ -241,9 +241,9 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
     share[a] = motion[a] * interval / repair_time<D>(setup, state.particles, a, view, interval);
     expansion[a] = packing_error<D>(setup, state.particles, s, a, s.fullness[a]);
   });
-  // Separate bodies of water exchange no volume: each keeps its own.
+  // Separate bodies of water exchange no volume.
   const auto body = bodies_of<D>(s);
-  ScalarArray all(p.size(), 0.0), made(p.size(), 0.0);  // of each body
+  ScalarArray all(p.size(), 0.0), made(p.size(), 0.0);  // sums over each body
   for (std::size_t a = 0; a < p.size(); ++a) {
     const auto b = static_cast<std::size_t>(body[a]);
     all[b] += p.volume[a] * share[a];

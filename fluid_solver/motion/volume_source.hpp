@@ -1,4 +1,4 @@
-// Sources of volume in the pressure's equation besides pressure and drag, and the repair of the particles' packing.
+// Sources of volume in the pressure equation besides pressure and drag, and the repair of the particles' packing.
 #pragma once
 
 #include "fluid_solver/state.hpp"
@@ -9,7 +9,7 @@ namespace poretwin::fluid {
 template <int D>
 bool tells_density(const Setup<D>& setup);
 
-/// Displacement of each particle from its place of birth as a fraction in [0, 1]; 1: its packing error counts in full.
+/// Displacement of each particle from its birthplace as a fraction in [0, 1]; at 1 its packing error counts in full.
 template <int D>
 ScalarArray moved(const Particles<D>& p);
 
@@ -22,18 +22,18 @@ template <int D>
 double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                    double interval);
 
-/// Relative excess of the packing around particle a over a lattice's. full: sum V W over that of a lattice, or the
-/// measure that replaces it in open water.
+/// Packing around particle a relative to a lattice's, minus 1. full: sum V W over that of a lattice, or the measure
+/// that replaces it in open water.
 template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full);
 
-/// Rate of expansion of each particle's volume [1/s], as a source in the pressure's equation: repair of the packing,
-/// curvature of the motion in time, and deformation of the soil beyond the prediction.
+/// Rate of expansion of each particle's volume [1/s], as a source in the pressure equation. It consists of the repair
+/// of the packing, the curvature of the motion in time, and the deformation of the soil beyond the prediction.
 template <int D>
 ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                           std::span<const Mat<D>> velocity_gradient, double interval);
 
-/// Displacements [m] that repair the packing where pressure cannot.
+/// Displacements [m] that repair the packing where the pressure cannot repair it.
 template <int D>
 VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                    double interval);

@@ -1,11 +1,11 @@
 // Chosen numbers of the window's pressure solve and of explicit sweeps. What an entry needs: CONTRIBUTING.md.
-// (untried) behind a test: not yet seen to fail when the number is halved or doubled.
+// (untried) behind a test's name: the test has not yet been seen to fail when the number is halved or doubled.
 #pragma once
 
 namespace poretwin::fluid::pressure {
 
-/// Relative residual of the solve where no water is in soil. The front and the energy of a dam break are the same with
-/// 1e-4.
+/// Relative residual at which the pressure solve ends where no water is in soil. The front and the energy of a dam
+/// break are the same with 1e-4.
 /// Unit: 1. Test: FreeWater.DamBreakKeepsItsEnergy (untried).
 inline constexpr double free_water_tolerance = 1e-3;
 /// Lower bound of the solve's tolerance in soils of different conductivity. The tolerance is relative to the flow that
@@ -17,55 +17,55 @@ inline constexpr double tightest_tolerance = 1e-11;
 /// Unit: 1. Test: none known.
 inline constexpr double initial_tolerance = 1e-8;
 
-/// Residual of a solve with a responding skeleton, relative to the change of pressure in the window.
+/// Residual at which a solve with a responding skeleton ends, relative to the change of pressure in the window.
 /// Unit: 1. Test: Coupled.TerzaghiInNearlyTightSoil (untried).
 inline constexpr double response_tolerance = 1e-2;
-/// Residual of the solve for the skeleton's velocity, relative to the change of that velocity, or to the velocity that
-/// drag alone would give the skeleton where that is larger. 1e-2 would be noticeable in the pressure of nearly tight
-/// soil at rest and in the momentum (docs/notebook/fluid.md).
+/// Residual at which the solve for the skeleton's velocity ends, relative to the change of that velocity or, where
+/// larger, to the velocity that drag alone would give the skeleton. 1e-2 would visibly change the pressure of nearly
+/// tight soil at rest, and the momentum (docs/notebook/fluid.md).
 /// Unit: 1. Test: Coupled.DragRelaxesAtItsRateAndKeepsMomentum (untried).
 inline constexpr double skeleton_tolerance = 1e-3;
-/// Where pressure and skeleton velocity are solved for together, a solve for each of them preconditions the iteration:
-/// residual at which these two solves end.
+/// Where pressure and skeleton velocity are solved for together, a solve for each of them preconditions the iteration.
+/// These two solves end at this residual.
 /// Unit: 1. Test: none known (iterations, not results).
 inline constexpr double preconditioner_tolerance = 1e-1;
-/// Least bulk density of soil whose skeleton is solved for together with the water, over the density of water.
+/// The skeleton responds in the pressure solve where its bulk density, over the density of water, exceeds this.
 /// Unit: 1. Test: none known.
 inline constexpr double least_responding = 1e-6;
 
-/// Error (rms) of the tangent that replaces the quadratic drag, over the sum of inertia and drag, above which a window
-/// is solved again.
+/// In a solve a tangent replaces the quadratic drag. A window is solved again where the error (rms) of this tangent,
+/// over the sum of inertia and drag, exceeds this value.
 /// Unit: 1. Test: Coupled.QuadraticDragFollowsItsClosedFormAndKeepsMomentum (untried).
 inline constexpr double drag_tolerance = 0.02;
-/// Largest number of such solves in a window. The reason for the value is not on record.
+/// Largest number of solves in a window with quadratic drag. The reason for the value is not on record.
 /// Unit: solves. Test: none known.
 inline constexpr int most_drag_rounds = 10;
 
-/// Width of an aggregate of the skeleton's coarse space. 4 to 6 take the least CPU time, in embankment_seepage and in
-/// rockfill_dam.
+/// Width of an aggregate of particles in the skeleton's coarse space. Widths of 4 to 6 take the least CPU time, in
+/// embankment_seepage and in rockfill_dam.
 /// Unit: spacings. Test: none known (time, not results).
 inline constexpr double aggregate_width = 5.0;
-/// Iterations for the pressure with the diagonal preconditioner alone. A solve that needs no more is faster without a
-/// coarse space.
+/// Number of iterations for the pressure with the diagonal preconditioner alone. A solve that needs no more iterations
+/// is faster without a coarse space.
 /// Unit: iterations. Test: none known (time, not results).
 inline constexpr int iterations_without_aggregates = 4;
-/// Iterations of conjugate gradients with aggregates after which multigrid takes over. So many take as long as the
-/// whole solve by multigrid with its setup, from 10,000 particles on (55 to 80 measured, multigrid_timing.cpp).
+/// Multigrid takes over after this number of iterations of conjugate gradients with aggregates. From 10,000 particles
+/// on, that many take as long as a whole solve by multigrid with its setup (measured: 55 to 80, multigrid_timing.cpp).
 /// Unit: iterations. Test: FreeWater.ItsSolvesTakeFewIterationsAtAnySize (untried).
 inline constexpr int patience = 70;
-/// Number of multigrid cycles of a solve up to which the next solve starts with the diagonal preconditioner.
+/// After a solve of at most this number of multigrid cycles, the next starts with the diagonal preconditioner.
 /// Unit: cycles. Test: none known (time, not results).
 inline constexpr int few_cycles = 2;
-/// Increment of the diagonal of the aggregates' matrix, over the diagonal, where nothing prescribes a mean pressure and
-/// the matrix is singular.
+/// Increment of the diagonal of the aggregates' matrix, over that diagonal. It applies where nothing prescribes a mean
+/// pressure, so that the matrix is singular.
 /// Unit: 1. Test: none known.
 inline constexpr double regularisation = 1e-8;
 
 /// Largest number of rounds in which the set of cavitating particles is found.
 /// Unit: rounds. Test: none known.
 inline constexpr int most_cavitation_rounds = 30;
-/// Margin of the cavitating set, over the cavitation pressure: water must lie below that pressure by it to join the
-/// set, and voids must still open by it to remain. It is larger than the error of a solve.
+/// Margin of the cavitating set, over the cavitation pressure. Water joins the set below the cavitation pressure by
+/// this margin; it remains while its voids still open by this margin. The margin is larger than the error of a solve.
 /// Unit: 1. Test: none known.
 inline constexpr double cavitation_tolerance = 1e-4;
 /// Weight with which a matrix row fixes the pressure of a cavitating particle, over the row's diagonal.
@@ -75,31 +75,31 @@ inline constexpr double cavitating_weight = 1e6;
 /// Unit: 1. Test: none known.
 inline constexpr double pinned_weight = 1e3;
 
-/// Mean eigenvalue of the moment matrix up to which a particle has too few neighbours for a correction of its pairs'
-/// weights by direction.
+/// A particle has too few neighbours for a correction of its pairs' weights by direction where the mean eigenvalue of
+/// its moment matrix is at most this value.
 /// Unit: 1. Test: none known.
 inline constexpr double even_from = 0.75;
-/// Largest relative change of a pair's weight where directions or borders are evened out. A pair keeps at least a
-/// tenth.
+/// Largest relative change of a pair's weight in the corrections by direction and along borders between soils. A pair
+/// keeps at least a tenth of its weight.
 /// Unit: 1. Test: Seepage.SoilsSideBySideDoNotHoldEachOther (untried).
 inline constexpr double most_stretched = 0.9;
-/// Iterations that find by how much the matrix's weights of pairs beside a border between soils are changed
-/// (WindowSolver::free_along_borders). In each iteration the two rows of particles on either side of the border
-/// influence each other.
+/// Number of iterations in which WindowSolver::free_along_borders finds how much the matrix's weights of pairs beside a
+/// border between two soils change. In each iteration the two rows of particles on either side of the border influence
+/// each other.
 /// Unit: rounds. Test: none known.
 inline constexpr int border_rounds = 4;
 
-/// Relaxation factor of a sweep. The largest eigenvalue of a graph Laplacian over its diagonal is at most 2 (two
-/// particles alone with each other), the limit of stability without relaxation; it is 1.2 on a lattice.
+/// Relaxation factor of a sweep. The largest eigenvalue of a graph Laplacian over its diagonal is 1.2 on a lattice and
+/// at most 2 (for two particles without other neighbours), which is the limit of stability without relaxation.
 /// Unit: 1. Test: Eisph.SweepsTendToTheSolution (untried).
 inline constexpr double sweep_relaxation = 0.8;
 /// Largest apparent compression of free water at the present pressures, as a fraction of its volume: 1 %, as in weakly
-/// compressible SPH (Monaghan 1994: a speed of sound ten times the flow's). 3 % costs the front of a dam break 2 cm of
-/// 1.9 m.
+/// compressible SPH (Monaghan 1994: a speed of sound ten times that of the flow). With 3 % the front of a dam break is
+/// off by 2 cm of 1.9 m.
 /// Unit: 1. Test: Eisph.WindowsFollowFromTheCompressionOfASweep (untried).
 inline constexpr double free_compression = 0.01;
-/// Largest apparent compression of water in soil at the present pressures, as a fraction of its volume. There it only
-/// causes delay: 10 % shifts a wetting front by 0.15 %.
+/// Largest apparent compression of water in soil at the present pressures, as a fraction of its volume. In soil such a
+/// compression only delays the flow: 10 % shifts a wetting front by 0.15 %.
 /// Unit: 1. Test: Eisph.WindowsFollowFromTheCompressionOfASweep (untried).
 inline constexpr double soil_compression = 0.1;
 

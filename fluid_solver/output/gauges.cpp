@@ -77,8 +77,8 @@ class Reader {
     return magnitude > 0.0 ? -weight_.dot(x) / magnitude : 0.0;
   }
 
-  /// The soil of every point of the cloud: a buffer has that in front of its face, an image that of its original, a
-  /// particle that in which its pressure was computed. In the window's motion it may have passed a border since.
+  /// Finds the soil of every point of the cloud. A buffer has the soil in front of its face, an image that of its
+  /// original, a particle that in which its pressure was computed (it may have left that soil in the window).
   void find_soils() {
     soil_.resize(cloud_.size(), nullptr);
     for (std::size_t a = 0; a < cloud_.n_real; ++a) {
@@ -91,17 +91,17 @@ class Reader {
     }
     for (std::size_t i = cloud_.n_base; i < cloud_.size(); ++i) soil_[i] = soil_[cloud_.original[i - cloud_.n_base]];
   }
-  /// Value and gradient of a field at a place from the points in the same soil. Where two soils meet, the velocity
-  /// along the border and the gradient of the pressure across it jump by the ratio of their conductivities, so that a
-  /// fit to points on both sides would be wrong by a good part of what either soil has over one spacing.
+  /// Value and gradient of a field at a place, fitted to points in the same soil. Where two soils meet, the velocity
+  /// along the border and the gradient of the pressure across it jump by the ratio of the conductivities. A fit to
+  /// points on both sides would be wrong by a good part of the change over one spacing.
   template <class Field>
   [[nodiscard]] typename Probe<D>::Fit fit(const Vec<D>& x, const Field& f) const {
     const Stratum* here = soil_.empty() ? nullptr : ground_.at(x);
     if (!here) return probe_.fit(x, f);
     return probe_.fit(x, f, [&](Index j) { return !soil_[j] || soil_[j] == here; });
   }
-  /// Total pressure [Pa] and its gradient. The weight's part is subtracted for the fit: where few points give no slope,
-  /// their mean is that of the piezometric pressure.
+  /// Total pressure [Pa] and its gradient. The fit is made without the part of the weight: where few points give no
+  /// slope, the value is then the mean of the piezometric pressure.
   [[nodiscard]] typename Probe<D>::Fit pressure(const Vec<D>& x) const {
     auto result = fit(x, [&](Index j) { return cloud_.pressure[j] - weight_.dot(cloud_.position[j] - x); });
     result.gradient += weight_;
@@ -129,12 +129,12 @@ class Reader {
     }
   }
 
-  /// Pressure [Pa] at the water's surface in the soil at this place.
+  /// Pressure [Pa] that the water's surface has in the soil at this place.
   [[nodiscard]] double surface_pressure(const Vec<D>& x) const { return -ground_.suction(x); }
 
-  /// Length of water along a line from its start [m]. by_fullness: where half of the kernel lies in water; at the tip
-  /// of a wedge, where line and surface meet, it is late. by_pressure: where the pressure has fallen to that of the
-  /// surface; it is late by a fifth of a spacing behind an advancing front, and NaN where the pressure is flat.
+  /// Length of the water along a line [m]. by_fullness: to where half of the kernel is in water; it is too short at the
+  /// tip of a wedge, where line and surface meet. by_pressure: to where the pressure falls to that of the surface; it
+  /// is a fifth of a spacing too short behind an advancing front, and NaN where the pressure is uniform.
   struct Reach {
     double by_fullness = 0.0, by_pressure = nan;
   };
@@ -146,7 +146,7 @@ class Reader {
     return std::fmax(r.by_fullness, r.by_pressure);
   }
   [[nodiscard]] Reach reach(const Line<D>& line) const {
-    // A gap of less than two spacings is loose packing and not the end of the water.
+    // A gap of less than two spacings is loose packing, not the end of the water.
     const double step = 0.5 * dx_, gap = readings::gap * dx_;
     double wet = -step;
     for (double z = 0.0; z < std::max(0.0, wet) + gap && z < line.length; z += step)
@@ -161,9 +161,9 @@ class Reader {
     return {wet, where_pressure_ends(line, probe_, std::max(0.0, wet - dx_), wet)};
   }
 
-  /// The last place on a line before `wet` above which water stands as deep as a kernel reaches, judged by its
-  /// pressure, in the same soil; NaN where there is none. In the tip of a wedge, one or two rows of particles, pressure
-  /// does not fall as in the water behind it.
+  /// The last place on a line before `wet`, in the same soil, above which the water is at least as deep as a kernel
+  /// reaches, judged by its pressure; NaN if there is none. In the tip of a wedge, one or two rows of particles, the
+  /// pressure does not fall as in the water behind it.
   [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
     const double deep = sph::support_radius * points::smoothing_ratio * dx_;
     const Stratum* ground = ground_.at(line.at(wet));
@@ -176,10 +176,10 @@ class Reader {
     return nan;
   }
 
-  /// The place on a line where the pressure, extrapolated with its slope at `inside`, equals that of the surface. NaN
-  /// where it is flat, or where that place is farther from `wet` than single particles can be from the surface. A wedge
-  /// whose surface falls by s along its base is in uniform flow and its pressure falls by gamma s; two particles fill
-  /// its last 2/sqrt(s) spacings.
+  /// The place on a line where the pressure, extrapolated with its slope at `inside`, reaches that of the surface. NaN
+  /// if the pressure is uniform, or if the place is farther from `wet` than single particles can be from the surface.
+  /// In a wedge with a surface that falls by s along its base, uniform flow lowers the pressure by gamma s; two
+  /// particles fill its last 2/sqrt(s) spacings.
   [[nodiscard]] double where_pressure_ends(const Line<D>& line, const Probe<D>& probe, double inside,
                                            double wet) const {
     const auto p = probe.pressure(line.at(inside));
@@ -190,8 +190,8 @@ class Reader {
     return std::abs(end - wet) < farthest * dx_ ? end : nan;
   }
 
-  /// Discharge [m3/s, 2D: m2/s] through the wet part of a line, positive from its right to its left: that of the last
-  /// pressure solve where it drives all of the flow, otherwise by the velocity of the particles.
+  /// Discharge [m3/s, 2D: m2/s] through the wet part of a line, positive from its right to its left. Where the last
+  /// pressure solve drives all of the flow, the flow of that solve; otherwise computed from the particles' velocities.
   [[nodiscard]] double discharge(const Gauge& gauge) {
     const std::size_t number = discharges_++;
     if (number < state_.section_flow.size()) return state_.section_flow[number];
@@ -216,7 +216,7 @@ class Reader {
     }
     return sum;
   }
-  /// The place between a and b on a line where the soil at a ends; b if the soil is the same at both.
+  /// The place between a and b on a line where the soil at a ends; b if both are in the same soil.
   [[nodiscard]] double border_between(const Line<D>& line, double a, double b) const {
     if (soil_.empty()) return b;
     const Stratum* here = ground_.at(line.at(a));
@@ -228,14 +228,14 @@ class Reader {
     return b;
   }
 
-  /// Depth [m] of the water's surface inside a place on a face, up to `deepest`; 0 where water stands at the face.
+  /// Depth [m] of the water's surface below a place on a face, inwards, up to `deepest`; 0 if water stands at the face.
   [[nodiscard]] double depth(const Vec<D>& x, const Vec<D>& inward, double deepest) const {
     const auto r = reach(Line<D>(x + deepest * inward, x));
     return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
   }
 
   /// Elevation [m] at which the water's surface meets a face (domain on its left), searched for from the line's far
-  /// end. The surface approaches the face tangentially: a straight line through the places where water is one fifth and
+  /// end. The surface approaches the face tangentially. A straight line through the places where it is one fifth and
   /// three fifths of a spacing deep is extended to the face.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
     const double shallow = readings::exit_shallow * dx_, deep = readings::exit_deep * dx_, step = 0.1 * dx_;
@@ -253,9 +253,9 @@ class Reader {
     return nan;
   }
 
-  /// Largest outward hydraulic gradient at a face (domain on its left) where there is water inside, its place along the
-  /// line [m] and, where the face looks upwards, the largest ratio to the gradient that lifts the grains off it. The
-  /// buoyant weight acts across a face inclined by the angle b with its part cos b.
+  /// Largest outward hydraulic gradient at a face (domain on its left) with water inside, and its place along the line
+  /// [m]. Where the face looks upwards, also the largest ratio of that gradient to the one that lifts the grains. On a
+  /// face inclined by the angle b, the part cos b of the buoyant weight acts across the face.
   void exit_gradient(const std::string& name, const Line<D>& line) {
     double largest = nan, at = nan, over_critical = nan;
     const double upwards = elevation(-line.left);
@@ -278,8 +278,8 @@ class Reader {
     if (upwards > 1e-9) add(name + "_over_critical", over_critical, "1");
   }
 
-  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's
-  /// start.
+  /// Force of the water's pressure on a line, per width [N/m], and the distance of its line of action from the start of
+  /// the line.
   void pressure_force(const std::string& name, const Line<D>& line) {
     const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
     double force = 0.0, moment = 0.0;
@@ -293,7 +293,7 @@ class Reader {
     add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
   }
 
-  /// Weight of the soil as drawn, and of the water in it and on it, over a place [Pa]; 0 where no soil is above it.
+  /// Weight of the soil as drawn, and of water in and on it, above a place [Pa]; 0 where no soil is above the place.
   [[nodiscard]] double overburden(const Vec<D>& x) const {
     const double step = 0.25 * dx_;
     const Vec<D> up = -weight_.normalized();
@@ -312,7 +312,7 @@ class Reader {
     return weight + (on_it > 0.0 ? on_it : 0.0);
   }
 
-  /// The water's pressure on a line over the weight of what lies above it, sums over the places with soil above.
+  /// Ratio of the water's pressure on a line to the weight above the line, both summed over the places with soil above.
   [[nodiscard]] double heave(const Line<D>& line) const {
     const int count = std::max(1, static_cast<int>(std::ceil(line.length / (0.5 * dx_))));
     double pushed = 0.0, weight = 0.0;
@@ -330,8 +330,8 @@ class Reader {
     return !gauge.region || contains(*gauge.region, to_point3<D>(x), D);
   }
 
-  /// The outermost particle of a column may lie up to half a spacing on either side of the face; its part outside does
-  /// not count.
+  /// The outermost particle of a column may lie up to half a spacing on either side of the face. Its part outside the
+  /// face does not count.
   [[nodiscard]] double volume(const Gauge& gauge) const {
     const auto& p = state_.particles;
     double sum = 0.0;
@@ -352,13 +352,13 @@ class Reader {
       for (const auto& inlet : state_.inlets)
         if (inlet.face == static_cast<int>(f) && !inlet.sill) return inlet.level;
       FaceState now = state_.faces[f];
-      boundaries_[f]->advance(state_.time, 0.0, {passed_[f], 0.0}, now);  // with the volume that has passed since
+      boundaries_[f]->advance(state_.time, 0.0, {passed_[f], 0.0}, now);  // adds the volume that has passed since
       return boundaries_[f]->level(state_.time, now).value_or(nan);
     }
     return nan;
   }
 
-  /// Volume that has come in minus what has gone out, through the face that the gauge names or through all.
+  /// Volume that has come in minus volume that has gone out, through the face that the gauge names or through all.
   [[nodiscard]] double passed_volume(const Gauge& gauge) const {
     double sum = 0.0;
     for (std::size_t f = 0; f < boundaries_.size(); ++f)
@@ -403,12 +403,12 @@ class Reader {
     if (gauge.kind == "min_pressure") add(gauge.name, lowest, "Pa");
   }
 
-  /// Position [m] of the end of the water in a direction.
+  /// Position [m] of the end of the water in the line's direction.
   ///
-  /// Half a spacing beyond the foremost particle is right for a blunt front only. In the tongue of a flood, a wedge, it
-  /// is short by 0.7 spacings at a slope of 30 degrees. There the volume ahead of a place is proportional to the square
-  /// of its distance from the tip: the place with 8 particles ahead is twice as far from it as that with 2. For a blunt
-  /// front of height H this result is short by 4 dx/H spacings.
+  /// Half a spacing beyond the foremost particle is right only for a blunt front. In the tongue of a flood, a wedge, it
+  /// is 0.7 spacings too short at a slope of 30 degrees. In a wedge the volume ahead of a place grows with the square
+  /// of its distance from the tip: the place with 8 particles ahead is twice as far from the tip as the place with 2.
+  /// At a blunt front of height H, the result of this rule is 4 dx/H spacings too short.
   [[nodiscard]] double extent(const Gauge& gauge) const {
     const Line<D> line(gauge);
     const auto& p = state_.particles;
@@ -420,7 +420,7 @@ class Reader {
     std::partial_sort(foremost.begin(), foremost.begin() + static_cast<std::ptrdiff_t>(n), foremost.end(),
                       std::greater<>());
     const double unit = foremost[0].second, tip = foremost[0].first + 0.5 * spacing_of<D>(unit);
-    if (static_cast<double>(n) < readings::far_from_tip + 1.0) return tip;  // a few drops
+    if (static_cast<double>(n) < readings::far_from_tip + 1.0) return tip;  // only a few drops of water
     const auto place = [&](double ahead) {
       double lower = foremost[n - 1].first - spacing_of<D>(unit), upper = tip;
       for (int step = 0; step < 50; ++step) {
@@ -436,7 +436,7 @@ class Reader {
     return 2.0 * place(readings::near_tip) - place(readings::far_from_tip);
   }
 
-  /// Root mean square distance [m] of the water from its mean position, in a direction.
+  /// Root mean square distance [m] of the water from its mean position, in the line's direction.
   [[nodiscard]] double spread(const Gauge& gauge) const {
     const Line<D> line(gauge);
     const auto& p = state_.particles;
@@ -457,7 +457,7 @@ class Reader {
   const State<D>& state_;
   const Cloud<D>& cloud_;
   Probe<D> probe_;
-  std::vector<const Stratum*> soil_;  ///< of each point of the cloud; empty where all soils conduct alike, or move
+  std::vector<const Stratum*> soil_;  ///< for each point of the cloud; empty where all soils conduct alike, or move
   Vec<D> weight_;
   ScalarArray passed_;
   double gamma_ = 0.0, dx_ = 0.0;
@@ -467,7 +467,7 @@ class Reader {
 
 }  // namespace
 
-/// Force of the walls on water and soil by the water's pressure [N, 2D: N/m].
+/// Force that the water's pressure exerts on walls, taken on water and soil [N, 2D: N/m].
 template <int D>
 Vec<D> wall_force(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state) {
   Vec<D> force = Vec<D>::Zero();

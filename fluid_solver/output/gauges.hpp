@@ -11,7 +11,7 @@ template <int D>
 std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls,
                                       const State<D>& state);
 
-/// Adds the impulse of weight and of the walls in a window of `interval` [s] to State::exchanged.
+/// Adds the impulse of the weight and of the walls in a window of `interval` [s] to State::exchanged.
 template <int D>
 void count_impulse(const Setup<D>& setup, const Walls<D>& walls, double interval, State<D>& state);
 

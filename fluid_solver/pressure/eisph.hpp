@@ -1,5 +1,5 @@
-// Explicit incompressible SPH (Nomeritae et al. 2016; Eqs. (82)-(85)). The pressure equation is not solved: one or a
-// few sweeps per window start from the pressure of the last window.
+// Explicit incompressible SPH (Nomeritae et al. 2016; Eqs. (82)-(85)). In place of a solve of the pressure equation,
+// one or a few sweeps per window start from the pressure of the last window.
 #pragma once
 
 #include "common/numerics/csr.hpp"
@@ -11,8 +11,8 @@
 
 namespace poretwin::fluid {
 
-/// Eq. (85), relaxed, for all particles at once: p_a <- p_a + omega_a (B_a + sum A_ab p_b - p_a sum A_ab) / sum A_ab. B
-/// holds the divergence of the predicted velocity, which is Eq. (84) with the density reset after each window.
+/// Eq. (85), relaxed, for all particles: p_a <- p_a + omega_a (B_a + sum A_ab p_b - p_a sum A_ab) / sum A_ab. B
+/// contains the divergence of the predicted velocity, which is Eq. (84) with the density reset after each window.
 inline void relaxed_sweeps(const PairMatrix& A, std::span<const double> b, std::span<const double> relaxation,
                            std::span<double> p, int sweeps) {
   ScalarArray row(p.size());
@@ -25,11 +25,11 @@ inline void relaxed_sweeps(const PairMatrix& A, std::span<const double> b, std::
 
 /// Fraction of its velocity's divergence to which particle a responds by its pressure.
 ///
-/// Inside water, a gradient of differences moves a particle of high pressure p towards its neighbours, by |L n|^2 p
-/// with the correction L and n = sum V grad W, while they are pushed away from it, by sum V_a V_b (L_a grad W).(L_b
-/// grad W) p. Where the first is larger, the pressure increases its own cause, by up to a fifth per window whatever the
-/// window's length. There the particle takes its neighbours' pressure. A solve has the same term, in a tenth of the
-/// windows.
+/// Inside water, a pressure p above that of the neighbours acts in two ways. Through its gradient, formed of
+/// differences, it moves the particle towards its neighbours, by |L n|^2 p with the correction L and n = sum V grad W.
+/// It pushes the neighbours away, by sum V_a V_b (L_a grad W).(L_b grad W) p. Where the first effect is larger, the
+/// pressure increases its own cause, by up to a fifth per window of any length. Then the particle takes its neighbours'
+/// pressure. A solve has the same term, in a tenth as many windows.
 template <int D>
 double sweep_trust(const Stencil<D>& s, std::size_t a) {
   if (s.ghost_distance[a] > 0.0) return 1.0;
@@ -49,7 +49,7 @@ double sweep_trust(const Stencil<D>& s, std::size_t a) {
   return others > 0.0 ? std::clamp(2.0 * (1.0 - own / others), 0.0, 1.0) : 0.0;
 }
 
-/// Sum of 2 V G over a lattice of unit spacing, G = -W'/r: the diagonal of the Laplacian there, in units of
+/// Sum of 2 V G over a lattice of unit spacing, G = -W'/r: the diagonal of the Laplacian on the lattice, in units of
 /// 1/spacing^2.
 template <int D>
 double lattice_diagonal() {
@@ -58,11 +58,11 @@ double lattice_diagonal() {
   return value;
 }
 
-/// Longest window [s] for sweeps. Swept once, water of mobility kf = n^2/(n rho/dt + C) responds to a divergence like a
-/// compressible fluid, by a fraction dt kf diagonal/omega of its volume per pressure. In free water that increases with
-/// dt^2 (an artificial sound of about one spacing per window), in soil with dt (pressure diffuses one spacing per
-/// window). n: void fraction; drag: C [N s/m4]; pressure: largest pressure that may drive or be relieved [Pa]; spacing:
-/// of the particles [m].
+/// Longest window [s] for sweeps. In one sweep, water of mobility kf = n^2/(n rho/dt + C) responds to a divergence like
+/// a compressible fluid, by a fraction dt kf diagonal/omega of its volume per pressure. In free water this fraction
+/// increases with dt^2 (an artificial sound of about one spacing per window), in soil with dt (pressure diffuses one
+/// spacing per window). n: void fraction; drag: C [N s/m4]; pressure: largest pressure that may drive the flow or be
+/// relieved [Pa]; spacing: of the particles [m].
 template <int D>
 double sweep_interval(double n, double drag, double density, double pressure, double spacing, int sweeps) {
   const double quadratic =
@@ -72,10 +72,10 @@ double sweep_interval(double n, double drag, double density, double pressure, do
   return (linear + std::sqrt(linear * linear + 4.0 * quadratic * constant)) / (2.0 * quadratic);
 }
 
-/// Relaxation factor in a window of this fraction of the interval that the fluid proposed. It is reduced so that the
-/// apparent stiffness of the water stays the same. Otherwise a window of a hundredth would respond to the last one's
-/// residual by a pressure ten thousand times as large, which would remain when windows are long again. inertia: n
-/// rho/dt; drag: C [N s/m4].
+/// Relaxation factor in a window that is this fraction of the interval that the fluid proposed. It is reduced so that
+/// the apparent stiffness of the water stays the same. Otherwise a window of a hundredth of that interval would respond
+/// to the last window's residual by a pressure ten thousand times as large, which would remain in later long windows.
+/// inertia: n rho/dt; drag: C [N s/m4].
 inline double relaxation_in(double fraction, double inertia, double drag) {
   if (fraction >= 1.0) return pressure::sweep_relaxation;
   return pressure::sweep_relaxation * fraction * (inertia * fraction + drag) / (inertia + drag);

@@ -111,7 +111,7 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
   counts.outer_iterations += solution.outer;
   counts.unconverged += solution.converged ? 0.0 : 1.0;
   state.multigrid = solution.multigrid;
-  // Copied, not moved: moving would fragment the memory of the state's arrays.
+  // Copied, not moved, since moving would fragment the memory of the state's arrays.
   p.pressure = solution.pressure;
   p.solid_velocity = solution.solid_velocity;
   p.velocity = solution.velocity;

@@ -11,18 +11,18 @@ namespace poretwin::fluid {
 template <int D>
 WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);
 
-/// The sections of the gauges of kind discharge, in their order, where the pressure drives all of the flow: in 2D, in
-/// soil at rest that is full of water. Elsewhere none.
+/// The sections of the gauges of kind discharge, in their order, where the pressure drives the whole flow: in 2D, in
+/// soil at rest that is full of water. Elsewhere the result is empty.
 template <int D>
 std::vector<Section<D>> solved_sections(const Setup<D>& setup, const State<D>& state);
 
-/// Solves one window. With a quadratic drag it is solved again about the relative velocity just found (Newton) until
-/// the tangent agrees with the law.
+/// Solves one window. With a quadratic drag the window is solved again for the relative velocity just found (Newton's
+/// iteration) until the tangent agrees with the law.
 template <int D>
 WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in,
                                   const Passes<D>& passes, SoilView<D>& view, State<D>& state);
 
-/// Throws DivergedError where a solution is not finite. time [s]: of the last good state.
+/// Throws DivergedError where a solution is not finite. time [s]: of the last state that was finite.
 template <int D>
 void check_finite(const State<D>& state, const WindowSolution<D>& solution, double time);
 

@@ -11,24 +11,24 @@
 namespace poretwin::fluid {
 namespace {
 
-/// Elimination of v_w' from a particle's two momentum equations of one backward Euler window (docs/theory/coupling.md).
+/// Elimination of v_w' from a particle's two momentum equations over a backward Euler window (docs/theory/coupling.md).
 struct Elimination {
-  double aw = 0.0;  ///< a = n rho_w / dt, N s/m4; 0 without inertia
-  double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
-  double kf = 0.0;  ///< mobility of the water with the skeleton at rest: flux per pressure gradient, m4/(N s)
+  double aw = 0.0;  ///< a = n rho_w / dt, N s/m4; 0 in a problem without inertia
+  double C = 0.0;   ///< drag coefficient, N s/m4: the resistance is C (v_w' - v_s') - f, with the explicit part f
+  double kf = 0.0;  ///< m4/(N s), flux of the water per pressure gradient while the skeleton is at rest
   double e = 0.0;   ///< 1, flux of the mixture per velocity of the skeleton
 };
 
-/// Elimination of v_s' where the skeleton responds.
+/// Elimination of v_s' in particles whose skeleton responds. R: mass of the skeleton per bulk volume.
 struct Response {
-  double as = 0.0;  ///< R / dt
-  double ss = 0.0;  ///< mobility of the skeleton with the water that it entrains, m4/(N s)
+  double as = 0.0;  ///< R / dt, N s/m4
+  double ss = 0.0;  ///< m4/(N s), mobility of the skeleton together with the water that it entrains
   double mS = 0.0;  ///< velocity of the skeleton per pressure gradient, m4/(N s)
   double M = 0.0;   ///< Pa, constrained modulus
   bool responds = false;
 };
 
-/// aw: n rho_w / dt.
+/// aw: n rho_w / dt, N s/m4.
 Elimination eliminate(double aw, double n, double n_s, double C) {
   Elimination q;
   q.C = C;
@@ -61,13 +61,13 @@ Response eliminate_skeleton(double dt, double density, double n, double n_s, con
   return r;
 }
 
-/// What the skeleton's stiffness needs of a point: constrained modulus M and amplification of its parent, both 0 where
-/// the parent's skeleton does not respond; and the stiffness by which dry soil beside the point resists [N s/m].
+/// Data of a point for the skeleton's stiffness: constrained modulus M and amplification of its parent (both 0 where
+/// the parent's skeleton does not respond); stiffness with which dry soil beside the point resists [N s/m].
 struct StiffPoint {
   std::array<double, 3> x{};
   [[nodiscard]] const double* row() const { return x.data(); }
-  /// What it keeps of a row: the sum of the weights, and their parts by own images with reversed velocity behind walls,
-  /// and by faces and dry soil.
+  /// Sums of a row: of all weights, of the weights of its own images behind walls that reverse the velocity, and of
+  /// those of faces and dry soil.
   template <class In>
   struct Row {
     typename In::Number sum{};
@@ -92,8 +92,8 @@ class WindowSolver {
       }
       any_response_ = domain_.any(any_response_);
     }
-    sources_ = make_sources();  // before the matrix: their temporary arrays and the matrix together would need too much
-                                // memory
+    sources_ = make_sources();  // before the matrix: their temporary arrays together with the matrix would need too
+                                // much memory
     make_laplacians();
     boundary_.assign(n_, 0.0);
     cavitating_.assign(n_, false);
@@ -108,14 +108,14 @@ class WindowSolver {
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
-  /// What drives the water besides the pressure and the skeleton [N/m3]: its momentum over the window's length, and the
-  /// explicit part of a quadratic drag.
+  /// What drives the water besides the pressure and the skeleton [N/m3]: its momentum divided by the window's length,
+  /// and the explicit part of a quadratic drag.
   [[nodiscard]] Vec<D> push(std::size_t a) const { return q_[a].aw * before(a) + soil_.drag_offset[a]; }
   [[nodiscard]] Vec<D> before(std::size_t a) const {
     return in_.velocity.empty() ? Vec<D>(Vec<D>::Zero()) : in_.velocity[a];
   }
 
-  /// out: on input the initial guesses, on output the whole solution.
+  /// out: initial guesses on input, the complete solution on output.
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
     if (!domain_.any(n_ > 0)) return finish(out);
@@ -147,13 +147,13 @@ class WindowSolver {
       if (!update_cavitating(out) || round == pressure::most_cavitation_rounds) break;
     }
     tell_section_flow(out);
-    // The matrices are not needed any more: freeing them lowers the peak of memory.
+    // The matrices are not needed any more; freeing them here lowers the peak of memory.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
     finish(out);
   }
 
  private:
-  /// Right-hand side of every row from the window's divergence [m^D/s].
+  /// Right-hand side of every row, from the divergence over the window [m^D/s].
   ScalarArray make_sources() const {
     VecArray<D> flux(n_);
     parallel_for(n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a); });
@@ -166,14 +166,14 @@ class WindowSolver {
     return sources;
   }
 
-  /// Whether a pair joins free water and soil that moves together with its water. The flux between them is the mean of
-  /// both sides, and the soil's side moves with the skeleton. The pressure therefore drives half of the free water's
-  /// mobility. The harmonic mean would be right only for a skeleton at rest.
+  /// Whether a pair joins free water and soil that moves together with its water. Their flux is the mean of both sides,
+  /// of which the soil's moves with the skeleton. The pressure therefore acts on half of the free water's mobility. A
+  /// harmonic mean of the mobilities would be right only for a skeleton at rest.
   [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
     const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.in_seepage[i] == 0; };
     return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
   }
-  /// Sets the weight of pair k in row a, and adds its change to the diagonal, so that the row's sum stays the same.
+  /// Sets the weight of pair k in row a, and adds the change to the diagonal, so that the row's sum remains the same.
   void set_weight(std::size_t a, std::size_t k, double weight) {
     const double before = fluid_.weight[k];
     fluid_.weight[k] = static_cast<float>(weight);
@@ -193,8 +193,8 @@ class WindowSolver {
     });
   }
 
-  /// Sets the Laplacian of the water's mobility and, where a skeleton responds, those of the skeleton's mobility and of
-  /// mobility 1.
+  /// Makes the Laplacian with the water's mobility and, where a skeleton responds, also those with the skeleton's
+  /// mobility and with mobility 1.
   void make_laplacians() {
     ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
     parallel_for(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
@@ -212,13 +212,13 @@ class WindowSolver {
     }
   }
 
-  /// Corrects the conduction of stretched points in soil. Behind a border of two porosities, at which the flow changes
-  /// its speed, points have more pairs in one direction. Amplification makes their second moment exact on average over
-  /// all directions only, and too little is conducted along the stretch (2.0 % at a ratio of 4/3).
+  /// Corrects the conduction between points in soil that lie closer in one direction than in others, as behind a border
+  /// of two porosities, where the flow changes its speed. Amplification makes the second moment of the pairs exact only
+  /// on average over all directions: along the stretch too little is conducted (2.0 % at a ratio of 4/3).
   ///
   /// Pairs are scaled by 1 + e.S e with their direction e and the mean S of both particles. S = -(D + 2)/2 times the
-  /// deviator of the moment cancels the error, by the mean of e e e e over all directions. Within reach of another soil
-  /// or a face S is zero, since volumes change abruptly there, and buffers stand in rows of their own.
+  /// deviator of the moment cancels the error, given the mean of e e e e over all directions. S is zero within reach of
+  /// another soil or a face: volumes change abruptly there, and buffers stand in rows of their own.
   void even_out_directions() {
     const auto& number = soil_.number;
     if (number.empty()) return;
@@ -246,7 +246,7 @@ class WindowSolver {
       }
     });
   }
-  /// Factor on the pair of particle a with point j, whose parent is q.
+  /// Factor on the pair of particle a and point j with parent q.
   [[nodiscard]] double stretched(std::size_t a, Index j, Index q) const {
     const Vec<D> ba = s_.position[j] - s_.position[a];
     const Vec<D> theirs = j < s_.n_base ? ba : Vec<D>(s_.map[j - s_.n_base].transpose() * ba);
@@ -255,12 +255,12 @@ class WindowSolver {
   }
 
   /// Corrects the conduction along borders between soils. The harmonic mean of a pair's mobilities is right across a
-  /// border. Along it, the rows beside the border lose a third of a spacing of mobility in the more permeable soil and
+  /// border. Along it, the rows beside it lose mobility (that of a third of a spacing) in the more permeable soil and
   /// gain as much in the other: a lens would act as if it were thicker, a drain as if it were thinner.
   ///
-  /// Pairs within either soil are scaled by 1 + s (t^2 - q n^2), with the components n and t of their direction across
-  /// and along the border. q (`still`) keeps the flux across the border unchanged. s, the mean of both particles'
-  /// values, gives the flux along the border the soil's own mobility.
+  /// Pairs within each soil are scaled by 1 + s (t^2 - q n^2), with the components n and t of their unit vector across
+  /// and along the border. q (`still`) leaves the flux across the border unchanged. s is the mean of both particles'
+  /// values, and gives the flux along the border the mobility of the soil itself.
   void free_along_borders() {
     const auto& number = soil_.number;
     if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
@@ -283,7 +283,7 @@ class WindowSolver {
       across[a].normalize();
       lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
     });
-    // t^2 - c n^2 of a pair at distance ba, with the normal n of the border at one of its particles.
+    // t^2 - q n^2 of a pair at distance ba, with the normal n of the border at one of its particles.
     const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
       const double part = n.dot(ba), square = part * part / ba.squaredNorm();
       return 1.0 - square - still * square;
@@ -321,10 +321,10 @@ class WindowSolver {
     });
   }
 
-  /// Updates the set of cavitating particles; returns whether it has changed. Water cavitates rather than sustain less
-  /// than the cavitation pressure: at the window's end neither the pressure above that value nor the void volume is
-  /// negative, and one of them is zero (a complementarity). An active set solves this: the pressure of cavitating
-  /// particles is fixed, and the residual of their continuity equation is the rate at which voids open.
+  /// Updates the set of cavitating particles; returns whether it has changed. Water cavitates instead of sustaining a
+  /// pressure below the cavitation pressure. At the window's end, neither the excess over that pressure nor the void
+  /// volume is negative, and at least one is zero (complementarity). An active set solves this: cavitating particles
+  /// have a fixed pressure, and the residual of their continuity equation is the rate at which voids open.
   bool update_cavitating(WindowSolution<D>& out) {
     const auto below = [&](std::size_t a) {
       return out.pressure[a] < cavitation_pressure(a) + pressure::cavitation_tolerance * in_.cavitation && !pinned(a);
@@ -347,7 +347,7 @@ class WindowSolver {
     fix_cavitating(std::move(cavitates), out);
     return true;
   }
-  /// Fixes the pressure of these rows, and of no others, at the cavitation pressure.
+  /// Fixes the pressure of these rows at the cavitation pressure, and releases all others.
   void fix_cavitating(std::vector<bool> cavitates, WindowSolution<D>& out) {
     if (free_diagonal_.empty()) {
       free_diagonal_ = fluid_.diagonal;
@@ -368,7 +368,7 @@ class WindowSolver {
     }
   }
 
-  /// Residual of continuity [m^D/s].
+  /// Residual of the continuity equation [m^D/s].
   ScalarArray imbalance(std::span<const double> sources, std::span<const double> boundary,
                         const WindowSolution<D>& out) const {
     ScalarArray row(n_), rest(n_);
@@ -385,8 +385,8 @@ class WindowSolver {
     return rest;
   }
 
-  /// The stabilisation applied to a change of pressure, weighted with the volume (docs/theory/water.md): st (Lp + D.G),
-  /// Laplacian minus wide Laplacian, and in water of moving soil st S(p), which sees no linear pressure.
+  /// Stabilisation for a change of pressure, times the volume (docs/theory/water.md): st (Lp + D.G), the Laplacian
+  /// minus the wide Laplacian; in water of moving soil st S(p), which is zero for linear pressures. st: stabilisation_.
   ScalarArray stabilised(std::span<const double> change) const {
     return stabilised(change, plain_gradient(change, true));
   }
@@ -405,8 +405,8 @@ class WindowSolver {
     return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin);
   }
 
-  /// Calls take(column, weight, pressure, buffer) for every term weight (p - pressure) of the faces in row a of a
-  /// Laplacian with this mobility; buffer: index of the buffer particle that the term stands for.
+  /// Calls take(column, weight, pressure, buffer) for every term weight (p - pressure) that faces add to row a of a
+  /// Laplacian with this mobility. buffer: index of the buffer particle for which the term stands.
   template <class Take>
   void for_faces(std::size_t a, double mobility, const Take& take) const {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
@@ -414,23 +414,23 @@ class WindowSolver {
       if (j < n_ || !s_.is_buffer(j)) continue;
       const double w = 2.0 * s_.volume[a] * mobility * s_.gradient_factor[k] * s_.amplified(a, q) * s_.reflection(a, q);
       const auto& b = s_.buffers[q - n_];
-      // Where water leaves soil at rest, a row that has passed the face keeps the slope of the pressure there.
+      // Where water leaves soil at rest, a row that has passed the face continues the pressure's slope at the face.
       const double beyond = std::min(0.0, b.inside(s_.position[a]));
       const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
       take(b.column, w, in_.face_pressure[b.column] + beyond * slope, q);
     }
   }
 
-  /// Sum of the faces' terms on the right-hand side of row a; empty where no face is within reach.
+  /// Sum of the terms of faces on the right-hand side of row a; empty if no face is within reach.
   std::optional<double> from_faces(std::size_t a, double mobility) const {
     std::optional<double> sum;
     for_faces(a, mobility, [&](Index, double w, double pressure, Index) { sum = sum.value_or(0.0) + w * pressure; });
     return sum;
   }
 
-  /// Computes the flow through each column: the sum of the terms by which its pressure enters the rows of the matrix.
-  /// Where a surface is within reach of the face, pairs beyond it are missing and the sum is too small (by 7 % under a
-  /// front that has advanced a few spacings); the flow is NaN there.
+  /// Computes the flow through each column: the sum of the terms with which its pressure enters the rows of the matrix.
+  /// Where a surface is within reach of the face, the pairs beyond it are missing and the sum is too small (by 7 %
+  /// under a front that has advanced by a few spacings): the flow there is set to NaN.
   void tell_face_flow(WindowSolution<D>& out) const {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
@@ -438,7 +438,7 @@ class WindowSolver {
     for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
       if (s_.beyond[a] == 0) continue;
       const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
-      // Only columns of the particle's own soil count: two adjacent soils have separate flows.
+      // Only columns of the particle's own soil count, since adjacent soils have separate flows.
       double flow = 0.0, all = 0.0, own = 0.0;
       const auto is_own = [&](Index column) {
         return !soil_.number.empty() && in_.face_soil[column] == soil_.number[a];
@@ -470,12 +470,12 @@ class WindowSolver {
     }
   }
 
-  /// Computes the flow through each section. A term of the matrix is a flow from one particle to another, along the
-  /// straight line between them; a section is passed by all whose lines cross it. With these flows continuity holds in
-  /// any part of the soil (Irving & Kirkwood 1950 define a flow of momentum in this way), so that as much passes a
-  /// section as the faces on either side let in. A sum of the particles' velocities does not have this property: beside
-  /// another soil it depends on how many rows of particles the soil has. To the flow that the pressure drives the flow
-  /// by inertia is added, in the same form.
+  /// Computes the flow through each section. A term of the matrix is a flow from one particle to another along the
+  /// straight line between them; flows whose lines cross the section pass it. With them, continuity holds in any part
+  /// of the soil (Irving & Kirkwood 1950 define the flow of momentum in this way): as much passes a section as faces on
+  /// either side let in. For a sum of the particles' velocities this is not so: beside another soil it depends on the
+  /// number of rows of particles in the soil. The flow by inertia is added, in the same form, to the flow that the
+  /// pressure drives.
   void tell_section_flow(WindowSolution<D>& out) const {
     out.section_flow.assign(in_.sections.size(), 0.0);
     if constexpr (D == 2)
@@ -483,7 +483,7 @@ class WindowSolver {
   }
   [[nodiscard]] double flow_through(const Section<2>& section, const WindowSolution<D>& out) const {
     const Vec<D> along = section.to - section.from, left(-along[1], along[0]);
-    // 1 where the way from x to y leads from the section's right to its left, -1 the other way, 0 beside the section.
+    // 1 if the line from x to y crosses the section from right to left, -1 the other way, 0 if it does not cross.
     const auto crossed = [&](const Vec<D>& x, const Vec<D>& y) {
       const double here = left.dot(x - section.from), there = left.dot(y - section.from);
       if ((here < 0.0) == (there < 0.0)) return 0.0;
@@ -497,9 +497,9 @@ class WindowSolver {
       if (std::abs(left.dot(x - section.from)) > 2.0 * sph::support_radius * s_.length(a) * left.norm()) continue;
       const Vec<D> own = carried(a);
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
-        // An image behind a wall stands for its original: the flow goes there.
+        // An image behind a wall stands for its original, to which the flow goes.
         const Index j = s_.other[k], q = s_.parent[j];
-        const double sign = crossed(x, s_.position[q]) * (q < n_ ? 0.5 : 1.0);  // particles meet each pair twice
+        const double sign = crossed(x, s_.position[q]) * (q < n_ ? 0.5 : 1.0);  // a pair of particles is met twice
         if (sign == 0.0) continue;
         const Vec<D> theirs = q >= n_ ? own : j < s_.n_base ? carried(q) : Vec<D>(s_.map[j - s_.n_base] * carried(q));
         flow +=
@@ -514,15 +514,15 @@ class WindowSolver {
     return flow;
   }
 
-  /// Distance to the surface [m]; 0 where it is out of reach.
+  /// Distance to the water's surface [m]; 0 if it is out of reach.
   double surface_distance(std::size_t a) const {
     if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
     return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
   }
 
-  /// Whether the pressure of a particle is prescribed: for particles with too few neighbours, and at the front in
-  /// coarse soil, where inertia dominates. The weaker condition of a wetting front, without a ghost in the gradient,
-  /// would add energy to splashes there.
+  /// Whether the pressure of a particle is prescribed: particles with too few neighbours, and particles at a front in
+  /// coarse soil, where inertia dominates. There the weaker condition of a wetting front, without a ghost in the
+  /// gradient, would add energy to splashes.
   bool pinned(std::size_t a) const {
     if (flags_[a] == Surface::lone) return true;
     return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
@@ -581,7 +581,7 @@ class WindowSolver {
     all_closed_ = closed_.size() == 1 && domain_.all(closed_[0].rows.size() == n_);
   }
 
-  /// Subtracts from the values of each of these bodies their mean, since the matrix is singular there.
+  /// Subtracts from the values of each closed body their mean, since the matrix is singular there.
   void remove_means(std::span<double> x) const {
     for (const auto& body : closed_) {
       const auto& of = body.rows;
@@ -590,14 +590,14 @@ class WindowSolver {
     }
   }
 
-  /// Solves for water with rigid soil, free water, or a skeleton of known velocity: one symmetric system.
+  /// Solves for water with rigid soil, free water, or water with a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
     if (out.solid_velocity.is_allocated()) {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
       parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
     const double rounding = 1e-12 * domain_.norm(b);
-    // The datum is subtracted, so that the tolerance refers to pressures that drive flow.
+    // The datum is subtracted, so that the tolerance refers to the pressures that drive flow.
     double reference = 0.0;
     remove_means(b);
     if (!all_closed_) {
@@ -618,7 +618,7 @@ class WindowSolver {
       for (auto& p : out.pressure) p += reference;
       return;
     }
-    // Where all pressures are fixed or equal, nothing drives flow; rounding is then a lower bound of the tolerance.
+    // If all pressures are fixed or equal, nothing drives flow: rounding is then the lower bound of the tolerance.
     const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     SolveReport report;
@@ -653,15 +653,15 @@ class WindowSolver {
     parallel_for(n_, [&](std::size_t a) { out.pressure[a] += reference; });
   }
 
-  /// Aggregates for the pressure. Their number equals the number of particles in each: solving the coarse system then
-  /// takes about as long as summing over them.
+  /// Aggregates for the pressure, as many as each has particles: then solving the coarse system takes about as long as
+  /// summing over aggregates.
   Aggregates<D> pressure_aggregates() const {
-    // On each rank for itself: they only speed up the solve.
+    // Each rank makes its own, since they only speed up the solve.
     const double whole = one_rank::sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
     Aggregates<D> aggregates(std::span<const Vec<D>>(s_.position).first(n_),
                              spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
                              [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
-    // Where nothing prescribes the mean pressure the matrix is singular; a small value is added to its diagonal.
+    // Where nothing prescribes the mean pressure the matrix is singular: a small value is added to its diagonal.
     aggregates.factorise([&](std::size_t a, const auto& add) {
       add(a, (1.0 + pressure::regularisation) * fluid_.diagonal[a]);
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
@@ -670,8 +670,8 @@ class WindowSolver {
     return aggregates;
   }
 
-  /// Drive of the flow, to which the tolerance is relative: the norm of the residual with prescribed pressures in place
-  /// and all others at the datum.
+  /// Drive of the flow, to which the tolerance refers: the norm of the residual when prescribed pressures are in place
+  /// and all other pressures are at the datum.
   double drive(const ScalarArray& b, double reference) const {
     ScalarArray known(n_), residual(n_);
     parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
@@ -691,10 +691,10 @@ class WindowSolver {
       stabilisation_[a] = 1.0 / (r.ss / (r.mS * r.mS) + dt * r.M * 4.0 / dx2);
       storage_[a] = s_.volume[a] * e * e / (dt * r.M);
     }
-    // Vectors change at a reflection, so that each weight belongs to one image.
+    // Vectors change at a reflection, so that each image needs a weight of its own.
     build_vector_stiffness();
-    // The solve for the skeleton's velocity may end once the power of its error e, e.H e, is at most the squared
-    // tolerance times the power of `dragged`, the change of velocity that drag alone would cause without stiffness.
+    // The solve for the skeleton's velocity may end once the power e.H e of its error e is at most the squared
+    // tolerance times the power of `dragged`, the change of velocity that drag would cause without any stiffness.
     const double power = domain_.sum_over(n_, [&](std::size_t a) {
       if (!responds(a)) return 0.0;
       const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
@@ -730,7 +730,7 @@ class WindowSolver {
           take(&s_.gradient_factor[pair.m], w);
           w *= s_.volume[a] * dt * (pair.self[1] + amplification) * (2.0 * pair.self[0] * M / (pair.self[0] + M));
           put(w, &image_weight_[pair.m]);
-          take(&image_weight_[pair.m], w);  // as it is stored: then the skeleton moves as a whole without force
+          take(&image_weight_[pair.m], w);  // as stored, so that the skeleton can move as a whole without force
           own.sum += w;
           pair.for_each([&](Index j, std::size_t k) {
             const Index b = s_.parent[j];
@@ -762,11 +762,11 @@ class WindowSolver {
   }
 
   /// Computes the force on every particle [N] that cancels the stiffness of the present motion. Where soil yields, its
-  /// present shear continues at constant stress, so that the stiffness resists only a departure from the present
-  /// motion. Otherwise yielding soil would flow like a liquid of viscosity Dt M.
+  /// present shear continues at constant stress, and stiffness may resist only a departure from the present motion.
+  /// Without this force, yielding soil would flow like a liquid of viscosity Dt M.
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
-    // In a repeated window, stiffness resists only a departure from the last pass's velocity, where the force is known.
+    // In a repeated window, stiffness resists only a departure from the last pass's velocity, whose force is known.
     if (soil_.found_velocity.is_allocated()) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)
@@ -790,7 +790,7 @@ class WindowSolver {
 
   /// Subtracts the stabilisation of the whole pressure from the residual, in water of moving soil. Elsewhere the
   /// stabilisation acts only on the change of pressure in the window, since consolidation damps the modes of pressure
-  /// that the wide gradient does not resolve. In short windows of moving soil nothing damps them; there it acts on the
+  /// that the wide gradient does not see. In short windows of moving soil nothing damps them: there it acts on the
   /// whole pressure, as in free water, whose projection is compact.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
     if (unresolved_.empty()) return;
@@ -799,18 +799,18 @@ class WindowSolver {
       if (in_.in_seepage[a] == 0) residual[a] -= stabilisation_[a] * alternating[a];
   }
 
-  /// A velocity of the skeleton at all points; it is reversed behind walls that fix the soil.
+  /// A velocity of the skeleton, extended to all points; it is reversed behind walls that fix the soil.
   VecArray<D> skeleton_extended(std::span<const Vec<D>> f) const {
     return extended<D>(s_, f, Carried::no, in_.fixed_soil);
   }
 
-  /// Stiffness [N s/m] of the Robin condition by which the dry soil beyond a wetting front resists the wet skeleton:
-  /// traction Dt M (s - v_s) / distance.
+  /// Stiffness [N s/m] of the Robin condition for the resistance of the dry soil beyond a wetting front against the wet
+  /// skeleton: traction Dt M (s - v_s) / distance.
   ///
-  /// The dry soil is assumed to keep its velocity v_s at that distance: half a spacing beside the front (a small wet
-  /// zone is supported over its own width, Saint-Venant), and above it the distance that a compression wave travels in
-  /// the window. A column of wet soil below dry soil responds to a load with rho c tanh(L / (c Dt)); this is within 5 %
-  /// of it from 10 ms to 1 s.
+  /// The dry soil is assumed to keep its velocity v_s at that distance. Beside the front, it is half a spacing (a small
+  /// wet zone is supported over its own width, Saint-Venant); above the front, the distance that a compression wave
+  /// travels in the window. A column of wet soil of length L below dry soil responds to a load with rho c tanh(L / (c
+  /// Dt)). The stiffness is within 5 % of that from 10 ms to 1 s.
   double dry_skeleton_stiffness(std::size_t a) const {
     if (!responds(a) || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
     const double spacing = spacing_of<D>(s_.volume[a]);
@@ -822,7 +822,7 @@ class WindowSolver {
     return s_.volume[a] * 2.0 * in_.interval * r_[a].M * amount * per_length;
   }
 
-  /// (V/ss) H s for responding particles, s itself for others; symmetric [n * D].
+  /// (V/ss) H s for particles that respond, s itself for others; a symmetric operator [n * D].
   void apply_H(std::span<const double> s, std::span<double> y) const {
     const VecArray<D> all = skeleton_extended(as_vectors(s));
     for_each_in_lanes(
@@ -842,7 +842,7 @@ class WindowSolver {
   ScalarArray apply_H(std::span<const Vec<D>> s) const {
     ScalarArray y(n_ * D);
     apply_H(as_numbers(s), y);
-    // Particles that do not respond have no equation.
+    // Particles that do not respond have no equation: their entries are zero.
     for (std::size_t a = 0; a < n_; ++a)
       if (!responds(a)) std::fill_n(y.begin() + static_cast<std::ptrdiff_t>(a * D), D, 0.0);
     return y;
@@ -854,8 +854,8 @@ class WindowSolver {
   static std::span<const double> as_numbers(std::span<const Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
   static std::span<double> as_numbers(std::span<Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
 
-  /// Corrects s until the residual [n * D] of H s is below the tolerance times `size`, or the energy of its error is
-  /// negligible. Returns the iterations.
+  /// Corrects s until the residual [n * D] of H s is below the tolerance times `size`, or the power of its error is
+  /// negligible. Returns the number of iterations.
   int solve_H(ScalarArray residual, double size, double negligible_power, std::span<Vec<D>> s) const {
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
@@ -879,7 +879,7 @@ class WindowSolver {
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
-  /// Right-hand side of the equation for H s under a pressure field: V/ss (sb - mS G p) [n * D].
+  /// Right-hand side of the equation for H s under a pressure field p: V/ss (sb - mS G p) [n * D].
   ScalarArray skeleton_drive(std::span<const double> p) const {
     const VecArray<D> G = plain_gradient(p, false);
     ScalarArray drive(n_ * D, 0.0);
@@ -887,7 +887,7 @@ class WindowSolver {
       const auto& q = q_[a];
       const auto& skeleton = r_[a];
       if (!skeleton.responds) continue;
-      // The exchanged force contains the full weight of the soil; with a piezometric pressure its buoyant part remains.
+      // The exchanged force contains the full weight of the soil; with a piezometric pressure the buoyant part acts.
       const Vec<D>& force = soil_.found_force.is_allocated() ? soil_.found_force[a] : soil_.force[a];
       const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       const Vec<D> velocity =
@@ -901,9 +901,9 @@ class WindowSolver {
     for (std::size_t d = 0; d < D; ++d) drive[a * D + d] = s_.volume[a] / r_[a].ss * velocity[static_cast<int>(d)];
   }
 
-  /// Solves for the skeleton's velocity under a pressure field. The tolerance is relative to the change from the
-  /// window's start, at which H s is `at_start`, and is at least rounding. The iteration starts from the velocity at
-  /// which H s is `now`.
+  /// Solves for the skeleton's velocity under a pressure field p. The tolerance is relative to the change since the
+  /// window's start, where H s was `at_start`, and is at least rounding. The iteration begins at the velocity with H s
+  /// equal to `now`.
   void skeleton_velocity(std::span<const double> p, const ScalarArray& at_start, const ScalarArray& now,
                          WindowSolution<D>& out) const {
     ScalarArray residual = skeleton_drive(p);
@@ -924,7 +924,7 @@ class WindowSolver {
     skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     remove_means(residual);
-    const double size = domain_.norm(residual);  // of the sum of the search directions
+    const double size = domain_.norm(residual);  // norm of what the search directions must sum to
     std::vector<VecArray<D>> answers;            // response of the skeleton to each search direction
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true);
@@ -933,8 +933,8 @@ class WindowSolver {
         if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
       answers.emplace_back(n_, Vec<D>::Zero());
       const double whole = domain_.norm(drive);
-      // However little power the skeleton's answer has, it is found: without it the pressure that closes the balance of
-      // volume in tight soil would be out of proportion.
+      // The skeleton's response is computed even if its power is negligible. Without it, the pressure that closes the
+      // volume balance in tight soil would be far too large.
       out.skeleton_iterations += solve_H(std::move(drive), whole, 0.0, answers.back());
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
@@ -956,8 +956,8 @@ class WindowSolver {
     skeleton_velocity(out.pressure, at_start, apply_H(velocity), out);
   }
 
-  /// Preconditioner: the solution z of a problem for water and skeleton as two potentials that are coupled by the
-  /// storage S = e^2/(M dt), [[-div kf grad + S, -S], [-S, S - div mS e grad]] [p; tau] = [r; 0]. Returns the
+  /// Preconditioner: solves for water and skeleton as two potentials z = [p; tau], coupled by the storage S = e^2/(M
+  /// dt): [[-div kf grad + S, -S], [-S, S - div mS e grad]] [p; tau] = [r; 0]. Returns p as `z`, and the number of
   /// iterations.
   int two_fields(std::span<const double> r, std::span<double> z, double tolerance) const {
     ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
@@ -997,12 +997,12 @@ class WindowSolver {
   }
 
   /// Completes the solution: gradients, flows through faces, and the water's velocity from the flux n v' = n aw v/(aw +
-  /// C) + n C/(aw + C) s - kf G p, with the pair mobilities of the solve.
+  /// C) + n C/(aw + C) s - kf G p, in which kf is the mobility of pairs as in the solve.
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
     out.gradient = plain_gradient(out.pressure, false);
     tell_face_flow(out);
-    VecArray<D> flux;  // empty: the mobility is the same everywhere
+    VecArray<D> flux;  // empty if the mobility is uniform
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
     if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
       ScalarArray own(n_);
@@ -1032,9 +1032,9 @@ class WindowSolver {
   const WindowProblem<D>& in_;
   std::size_t n_;
   Eliminations<D> q_;
-  std::vector<Response> r_;  ///< empty: no skeleton responds
+  std::vector<Response> r_;  ///< empty if no skeleton responds
   std::vector<char> open_;   ///< [n] 1 where a surface or a face is within reach
-  /// A body of water whose mean pressure nothing prescribes: its particles here, and their number on all ranks.
+  /// A body of water whose mean pressure nothing prescribes: its particles on this rank, and their number on all ranks.
   struct ClosedBody {
     std::vector<std::size_t> rows;
     double count;
@@ -1042,12 +1042,12 @@ class WindowSolver {
   std::vector<ClosedBody> closed_;
   bool any_response_ = false, all_closed_ = false, any_cavitating_ = false;
   std::vector<char> beside_moving_;  ///< [n] 1: free water beside moving soil, or that soil; empty: nothing moves
-  std::vector<bool> cavitating_;     ///< [n] fixed at the cavitation pressure
+  std::vector<bool> cavitating_;     ///< [n] whether the pressure is fixed at the cavitation pressure
   VecArray<D> flow_;                 ///< [n] N, see prepare_flow
   PairMatrix fluid_, skeleton_, plain_;
   MatArray<D> stretch_;  ///< [n] S of even_out_directions
   ScalarArray sources_;
-  ScalarArray start_, free_diagonal_, free_boundary_;  ///< initial pressure; diagonal and right-hand side without
+  ScalarArray start_, free_diagonal_, free_boundary_;  ///< pressure at the start; diagonal and right-hand side without
                                                        ///< cavitation
   double negligible_power_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
   UnresolvedPressure<D> unresolved_;  ///< empty where no soil moves

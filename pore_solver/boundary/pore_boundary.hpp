@@ -10,7 +10,7 @@
 
 namespace poretwin::pore {
 
-/// What a boundary stores for one segment, as a part of the saved state.
+/// The data of a boundary for one segment. They are part of the saved state.
 struct SegmentState {
   double pond = 0.0;  ///< m3 (2D: m2), water that stands on the surface of the segment
 };
@@ -20,7 +20,7 @@ struct Account {
   double in = 0.0, out = 0.0;  ///< inflow through water faces; outflow of liquid water, also under rain
   double infiltration = 0.0;   ///< infiltration of rain
   double evaporation = 0.0;    ///< evaporation of the soil's water
-  double runoff = 0.0;         ///< water that could neither infiltrate nor pond; it never was in the soil
+  double runoff = 0.0;         ///< water that could neither infiltrate nor pond; it never entered the soil
   /// Total gain of water in the soil.
   [[nodiscard]] double gained() const { return in + infiltration - out - evaporation; }
 };
@@ -28,7 +28,7 @@ struct Account {
 /// A step in time [s].
 struct StepTimes {
   double start = 0.0, interval = 0.0;
-  double now = 0.0;  ///< the instant for which flows are computed
+  double now = 0.0;  ///< the instant at which flows are computed
 };
 
 class PoreBoundary {
@@ -38,23 +38,23 @@ class PoreBoundary {
   PoreBoundary& operator=(const PoreBoundary&) = delete;
   virtual ~PoreBoundary() = default;
 
-  /// Begins a step, or another instant within it: the calls below refer to these times.
+  /// Begins a step, or another instant within the step. The calls below refer to these times.
   virtual void begin(const StepTimes& times) = 0;
-  /// Inflow at the variables that the flow model has.
+  /// Inflow for the present variables of the flow model.
   [[nodiscard]] virtual Inflow inflow(const FlowModel& flow, const Segment& segment,
                                       const SegmentState& state) const = 0;
   /// Adds the mean inflow of the step [m3/s, 2D: m2/s] to the segment's state and to the account.
   virtual void accept(const Segment& segment, double flow, SegmentState& state, Account& account) const = 0;
-  /// Elevation [m] of the water behind the boundary at the end of the step; empty for boundaries that have none.
+  /// Elevation [m] of the water behind the boundary at the end of the step; empty for boundaries without such water.
   [[nodiscard]] virtual std::optional<double> level() const { return std::nullopt; }
-  /// The inflow [m3/s, 2D: m2/s] into the soil that a well prescribes; its level then follows from it (set_level).
+  /// The inflow [m3/s, 2D: m2/s] into the soil that a well prescribes. The well's level follows from it (set_level).
   [[nodiscard]] virtual std::optional<double> prescribed_inflow() const { return std::nullopt; }
   virtual void set_level(double /*elevation [m]*/) {}
-  /// The next time [s] after `time` [s] at which a prescribed value changes its slope; infinite if there is none.
+  /// The next time [s] after `time` [s] at which a prescribed value changes its slope; infinite if none follows.
   [[nodiscard]] virtual double next_corner(double time) const = 0;
 };
 
-/// The time of the first knot of a series after `time` [s]; infinite if there is none.
+/// The time of the first knot of a series after `time` [s]; infinite if no knot follows.
 double next_knot(const Series& series, double time);
 
 /// The boundary for a segment along a water face and under rain: indices in the case's lists, or Segment::none.

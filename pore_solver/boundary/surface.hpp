@@ -8,22 +8,22 @@
 
 namespace poretwin::pore {
 
-/// Rain infiltrates as fast as the soil takes it under the water that stands on it. The rest ponds up to a depth, and
-/// what is above it runs off. Evaporation takes ponded water first, then the soil's water, down to a given suction at
-/// the surface. Where the soil is saturated and its water under pressure, water comes out: through the water face along
-/// the segment if there is one, otherwise onto the surface.
+/// Water that stands on the soil infiltrates as fast as the soil can take it. The remaining rain ponds up to a given
+/// depth, and the water above this depth runs off. Evaporation takes ponded water first, then the soil's water, down to
+/// a given suction at the surface. Where the soil is saturated and its water under pressure, water leaves the soil:
+/// through the water face along the segment if there is one, otherwise onto the surface.
 class Surface final : public PoreBoundary {
  public:
   Surface(const Rain& rain, bool has_face) : rain_(rain), has_face_(has_face) {}
   void begin(const StepTimes& times) override {
     interval_ = times.interval;
-    // The rain's mean over the step is used at every instant of it, so that its volume is exact.
+    // The mean rain over the step is used at every instant of the step, so that the volume of rain is exact.
     rate_ = rain_.rate->integral(times.start, times.start + interval_) / interval_;
   }
   [[nodiscard]] Inflow inflow(const FlowModel& flow, const Segment& segment, const SegmentState& state) const override {
     const double there = available(segment, state);
     const double depth = segment.level_area > 0.0 ? state.pond / segment.level_area : 0.0;
-    // The bounds are evaluated only where they may apply.
+    // The bounds are evaluated only where they can apply.
     if (const Inflow most = flow.at_head(segment, depth); most.value < there) return most;
     if (there < 0.0)
       if (const Inflow least = flow.at_head(segment, -rain_.limit_suction); least.value > there)
@@ -37,7 +37,7 @@ class Surface final : public PoreBoundary {
       account.infiltration += soaked;
       on_top -= soaked;
     } else {
-      // Evaporation takes its part first; further water that leaves the soil seeps out.
+      // Evaporation takes its part first. Other water that leaves the soil seeps out.
       const double vapour = std::clamp(-on_top, 0.0, -soaked), seeps = -soaked - vapour;
       account.evaporation += vapour;
       account.out += seeps;
@@ -50,8 +50,8 @@ class Surface final : public PoreBoundary {
   [[nodiscard]] double next_corner(double time) const override { return next_knot(*rain_.rate, time); }
 
  private:
-  /// Rate [m3/s, 2D: m2/s] at which water is available for infiltration in the step; negative: rate of evaporation from
-  /// the soil.
+  /// Rate [m3/s, 2D: m2/s] at which water is available for infiltration in the step. A negative value is the rate of
+  /// evaporation from the soil.
   [[nodiscard]] double available(const Segment& segment, const SegmentState& state) const {
     return state.pond / interval_ + rate_ * segment.level_area;
   }

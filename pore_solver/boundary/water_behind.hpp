@@ -8,7 +8,7 @@
 
 namespace poretwin::pore {
 
-/// Common base of these faces: it sums their inflow and outflow.
+/// Common base of the faces of this file: it sums their inflow and outflow.
 class WaterBehind : public PoreBoundary {
  public:
   void accept(const Segment&, double flow, SegmentState&, Account& account) const override {
@@ -22,7 +22,7 @@ class WaterBehind : public PoreBoundary {
   double interval_ = 0.0;  ///< s
 };
 
-/// Still water up to a head, which may change in time; above it a seepage face.
+/// Still water up to a head, which may change in time. The face above this head is a seepage face.
 class Reservoir final : public WaterBehind {
  public:
   explicit Reservoir(Series head) : head_(std::move(head)) {}

@@ -5,14 +5,14 @@
 
 namespace poretwin::pore {
 
-/// Still water in the well up to a level at which the screen as a whole passes the prescribed discharge (`Stepper`
-/// finds it); above the level water seeps out of the soil and falls down the well.
+/// The well contains still water up to a level at which the screen as a whole passes the prescribed discharge
+/// (`Stepper` finds this level). Above the level, water seeps out of the soil and falls down the well.
 class WellScreen final : public WaterBehind {
  public:
   explicit WellScreen(Series discharge) : discharge_(std::move(discharge)) {}
   void begin(const StepTimes& times) override {
     note_interval(times.interval);
-    // The mean over the step is used at every instant of it, so that the pumped volume is exact.
+    // The mean discharge over the step is used at every instant of the step, so that the pumped volume is exact.
     inflow_ = -discharge_.integral(times.start, times.start + times.interval) / times.interval;
   }
   [[nodiscard]] Inflow inflow(const FlowModel& flow, const Segment& segment, const SegmentState&) const override {

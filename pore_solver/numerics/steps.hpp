@@ -1,58 +1,58 @@
 // Chosen numbers of the pore water's steps in time. What an entry needs: CONTRIBUTING.md.
-// (untried) behind a test: not yet seen to fail when the number is halved or doubled.
+// (untried) behind a test's name: the test has not yet been seen to fail when the number is halved or doubled.
 #pragma once
 
 namespace poretwin::pore::steps {
 
-/// Error of the water content in one step, as the mean over the pores, for which the length of steps is chosen: half
-/// the step times the change of the rates within it, which is the error of implicit Euler (Kavetski, Binning & Sloan
-/// 2001).
+/// The length of steps is chosen such that the error of the water content in one step, as the mean over the pores, has
+/// this value. The error is that of implicit Euler: half the step times the change of the rates within it (Kavetski,
+/// Binning & Sloan 2001).
 /// Unit: pore volumes. Test: srivastava_yeh (untried).
 inline constexpr double wanted_error = 2e-3;
-/// Error above which a step is repeated with a shorter length.
+/// A step whose error exceeds this value is repeated with a shorter length.
 /// Unit: wanted errors. Test: none known.
 inline constexpr double largest_error = 2.5;
-/// Safety factor on the step that the error would allow, so that few steps are repeated.
+/// Safety factor on the length of the step that the error would allow. It keeps the number of repeated steps small.
 /// Unit: steps. Test: none known.
 inline constexpr double caution = 0.9;
-/// Least ratio of a step to the last one.
+/// Least ratio of a step's length to that of the last step.
 /// Unit: steps. Test: none known.
 inline constexpr double shrink = 0.4;
-/// Ratio of the next attempt to a step for which Newton's iteration found no solution.
+/// Ratio of the next attempt's length to that of a step for which Newton's iteration found no solution.
 /// Unit: steps. Test: none known.
 inline constexpr double shrink_unsolved = 0.25;
-/// Largest ratio of a step to the last one.
+/// Largest ratio of a step's length to that of the last step.
 /// Unit: steps. Test: none known.
 inline constexpr double grow = 1.7;
 /// Volume of water that moves in the first step.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double first_share = 1e-3;
-/// Sum of the residuals at which Newton's iteration ends. The remaining residual is carried into the next step and not
-/// lost.
+/// Newton's iteration ends where the sum of the residuals falls to this value. The remaining residual is carried into
+/// the next step and not lost.
 /// Unit: water that moves in the stage. Test: ponding (untried).
 inline constexpr double residual = 1e-2;
-/// Upper bound of the sum of the residuals at which Newton's iteration ends, used where much water moves.
+/// Upper bound of the sum of the residuals at which Newton's iteration ends. It applies where much water moves.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double most_residual = 1e-5;
-/// Lower bound of the sum of the residuals at which Newton's iteration ends, used where little water moves.
+/// Lower bound of the sum of the residuals at which Newton's iteration ends. It applies where little water moves.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double least_residual = 1e-8;
-/// Further bound of that sum in soil that moves: the mean head over the soil by which the residual would change the
-/// head that the skeleton bears.
-/// Unit: largest head borne. Test: none known.
+/// Further bound of the sum of the residuals, in soil that moves: mean over the soil of the change of the head on the
+/// skeleton that the residual would cause.
+/// Unit: largest head on the skeleton. Test: none known.
 inline constexpr double borne_residual = 1e-4;
-/// Volume of air in the pores from which on soil does not count as full. With that much air its water can adapt to its
+/// Soil counts as full where its pores contain less air than this. With more air its water can adapt to a change of the
 /// pores by itself.
-/// Unit: share of the pores. Test: none known.
+/// Unit: fraction of the pore volume. Test: none known.
 inline constexpr double air_in_full_soil = 0.05;
 /// Number of Newton iterations after which a step is given up.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_iterations = 15;
-/// Newton iterations before steps that increase the residual are halved. Earlier such steps are needed: a front that
-/// enters cells raises the residual at first.
+/// After this number of Newton iterations, steps that increase the residual are halved. Before, they are needed: a
+/// front that enters cells raises the residual at first.
 /// Unit: iterations. Test: dam_valley (untried).
 inline constexpr int whole_steps = 6;
-/// Part of a Newton step at which halving ends.
+/// Fraction of a Newton step below which it is not halved further.
 /// Unit: 1. Test: none known.
 inline constexpr double least_part = 0.1;
 /// Residual at which a linear solve ends, over its initial value.
@@ -64,11 +64,11 @@ inline constexpr double error_residual = 0.1;
 /// Largest number of iterations in a linear solve; Newton's iteration continues with the result.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_linear_iterations = 100;
-/// Least fraction of the variable u that an iteration leaves, so that u stays positive.
+/// An iteration leaves at least this fraction of the variable u, so that u stays positive.
 /// Unit: 1. Test: none known.
 inline constexpr double least_share = 0.1;
 
-/// Displacement of a point with the soil at which all points are linked anew.
+/// All points are linked anew once a point has moved by this length with the soil.
 /// Unit: spacings. Test: none known.
 inline constexpr double carried_far = 0.05;
 

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Unit vector into the soil across a line on a face: in 2D to the line's left, in 3D from the border of the cells
+/// Unit vector into the soil across a line on a face: in 2D to the line's left; in 3D from the border of the cells
 /// beside the line to their points.
 Point3 into_the_soil(const Case& scene, const Network& network, const Piece& line) {
   if (scene.general.dimension == 2) return line.left();
@@ -153,10 +153,10 @@ class Gauges::Reader {
     }
   }
 
-  /// Distance [m] from the line's start at which the pressure head falls to the value that the gauge names. Without
-  /// capillarity the length that is full of water is evaluated, too, with partly full cells in proportion, and the
-  /// larger distance taken. The pressure shows the position of a water table, the saturation that of a front; both are
-  /// rather too short than too long.
+  /// Distance [m] from the line's start at which the pressure head falls to the value that the gauge names. In soil
+  /// without capillarity, the length full of water (partly full cells in proportion) is also computed, and the larger
+  /// distance is taken: the pressure shows the position of a water table, the saturation that of a front, and each of
+  /// them is too short rather than too long.
   [[nodiscard]] double front(const Gauge& gauge, const ProbeLine& line) const {
     if (line.place.empty()) return 0.0;
     const double by_pressure = where_head_ends(line, gauge.pressure_head);
@@ -182,11 +182,11 @@ class Gauges::Reader {
       if (share == 0.0) return full;
       before = share;
     }
-    // Where water leaves a slope the last cell never fills up to its highest corner: it counts as full from half on.
+    // Where water leaves a slope, the last cell never fills up to its highest corner: it counts as full if half full.
     return degree(line.probe.back().point[0]) >= 0.5 ? line.place.back() : full;
   }
 
-  /// Discharge through the gauge's line, or the inflow through the face that it names.
+  /// Discharge through the gauge's line, or the inflow through the face (or from the well) that the gauge names.
   [[nodiscard]] double discharge(const Gauge& gauge, const Places& places) const {
     double sum = 0.0;
     for (const auto& crossing : places.crossings) sum += crossing.sign * state_.flow[crossing.link];
@@ -198,15 +198,15 @@ class Gauges::Reader {
     return sum;
   }
 
-  /// Elevation [m] at which the water table meets a face. Near that point its depth below the face grows with the
-  /// distance to the power of 3/2, as for any free surface that ends at a seepage face. The point is extrapolated from
-  /// the water table at two depths.
+  /// Elevation [m] at which the water table meets a face. Near that point, the depth of the water table below the face
+  /// grows with the distance to the power of 3/2, as for any free surface that ends at a seepage face. The point is
+  /// extrapolated from the distances at two depths.
   [[nodiscard]] double exit_height(const Gauge& gauge, const Places& places) const {
     const Point3 up = -scene_.general.gravity.normalized();
     std::array<double, 2> at{};
     for (std::size_t i = 0; i < 2; ++i) {
       const ProbeLine& line = places.beside[i];
-      // From above: the first place with positive pressure.
+      // Searched for from above: the first place with positive pressure.
       const bool rises = up.dot(gauge.points[1] - gauge.points[0]) > 0.0;
       double before = nan;
       at[i] = nan;
@@ -220,13 +220,13 @@ class Gauges::Reader {
         before = now;
       }
     }
-    const double ratio = std::cbrt(4.0);  // ratio of the distances at twice the depth and at the depth
+    const double ratio = std::cbrt(4.0);  // ratio of the distances at twice a depth and at that depth
     const double place = at[0] - (at[1] - at[0]) / (ratio - 1.0);
     return up.dot(gauge.points[0] + place * (gauge.points[1] - gauge.points[0]).normalized());
   }
-  /// Largest outward flow per area, over the saturated conductivity, its place along the line [m] and, where the face
-  /// looks upwards, the largest ratio to the gradient that lifts the grains off it. The buoyant weight acts across a
-  /// face inclined by the angle b with its part cos b.
+  /// Largest outward flow per area, divided by the saturated conductivity, and its place along the line [m]. Where the
+  /// face looks upwards, also the largest ratio of that gradient to the one that lifts the grains. On a face inclined
+  /// by the angle b, the part cos b of the buoyant weight acts across the face.
   void exit_gradient(const Gauge& gauge, const Places& places) {
     double largest = nan, at = nan, over_critical = nan;
     const Piece line{gauge.points[0], gauge.points[1]};
@@ -247,7 +247,7 @@ class Gauges::Reader {
     if (upwards > 1e-9) add(gauge.name + "_over_critical", over_critical, "1");
   }
 
-  /// Force per width of the water's pressure on a line [N/m], and the distance of its line of action from the line's
+  /// Force of the water's pressure on a line, per width [N/m], and the distance of its line of action from the line's
   /// start. The pressure is linear between the places of the line; places outside the soil do not count.
   void pressure_force(const std::string& name, const ProbeLine& line) {
     double force = 0.0, moment = 0.0;
@@ -265,8 +265,8 @@ class Gauges::Reader {
     add(name + "_at", force > 0.0 ? moment / force : 0.5 * line.length, "m");
   }
 
-  /// Weight of the soil, and of the water in it and on it, over the start of a line upwards [Pa]; 0 where no soil is
-  /// above it.
+  /// Weight of the soil, and of the water in and on it, above the start of a line that leads upwards [Pa]; 0 where no
+  /// soil is above it.
   [[nodiscard]] double overburden(const ProbeLine& line) const {
     double weight = 0.0;
     const auto bulk = [&](const Probe& probe) {
@@ -281,7 +281,7 @@ class Gauges::Reader {
     return porous::specific_weight(scene_) * (weight + std::max(0.0, head(line.probe[last])));
   }
 
-  /// The water's pressure on a line over the weight of what lies above it, sums over the places with soil above.
+  /// Ratio of the water's pressure on a line to the weight above the line, both summed over the places with soil above.
   [[nodiscard]] double heave(const Places& places) const {
     double pushed = 0.0, weight = 0.0;
     for (const auto& line : places.above) {
@@ -327,7 +327,7 @@ class Gauges::Reader {
     return nan;
   }
 
-  /// Sum of a part of the accounts over the boundaries with the item that the gauge names, or over all.
+  /// Sum of one entry of the accounts, over the boundaries with the item that the gauge names, or over all boundaries.
   template <class Items, class Part>
   [[nodiscard]] double sum(const Gauge& gauge, const Items& items, std::size_t Stepper::Along::*item,
                            const Part& part) const {

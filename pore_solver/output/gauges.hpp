@@ -10,7 +10,7 @@
 
 namespace poretwin::pore {
 
-/// Fraction of a point's pores that is filled with water, of those that water can fill.
+/// Fraction of a point's pores that is filled with water. Only pores that water can fill count.
 inline double saturation(const State& state, Index a) { return state.water[a] / state.pores[a]; }
 
 class Gauges {
@@ -19,8 +19,8 @@ class Gauges {
   [[nodiscard]] std::vector<GaugeReading> read(const FlowModel& flow, const Stepper& stepper, const State& state) const;
 
  private:
-  /// A link that a line or section crosses; sign: 1 if the link leads from the line's right to its left, or through the
-  /// section along its normal, else -1.
+  /// A link that crosses a line or section. sign: 1 if the link leads from the line's right to its left, or through the
+  /// section along its normal; else -1.
   struct Crossing {
     std::size_t link = 0;
     double sign = 1.0;

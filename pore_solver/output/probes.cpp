@@ -11,7 +11,7 @@
 namespace poretwin::pore {
 namespace {
 
-/// Weights of the three corners of a triangle at x, which sum up to 1; empty where the triangle is flat.
+/// Weights of the three corners of a triangle at x, whose sum is 1; empty where the triangle is flat.
 std::optional<std::array<double, 3>> weights(const Point3& a, const Point3& b, const Point3& c, const Point3& x) {
   const double area = cross(b - a, c - a);
   if (std::abs(area) < 1e-9 * (b - a).norm() * (c - a).norm()) return std::nullopt;
@@ -49,7 +49,7 @@ Index Probes::nearest(const Point3& x, std::optional<std::size_t> soil) const {
 }
 
 std::optional<Probe> Probes::at(const Point3& x) const {
-  // A place on a border of two soils belongs to the soil of the nearest point; without this shift rounding would
+  // A place on the border of two soils belongs to the soil of the nearest point. Without this shift, rounding would
   // decide.
   const Point3 inside = x + 1e-6 * (network_.position[nearest(x, std::nullopt)] - x);
   std::optional<std::size_t> soil;
@@ -60,7 +60,7 @@ std::optional<Probe> Probes::at(const Point3& x) const {
   if (scene_.general.dimension == 3) return in_space(x, a);
   const auto& around = neighbours_[a];
   Probe best{{a, a, a, a}, {1.0, 0.0, 0.0, 0.0}};
-  // The triangle that contains x, or else the one whose least weight at x is largest.
+  // Takes the triangle that contains x, or else the triangle whose least weight at x is largest.
   double most = -HUGE_VAL;
   for (std::size_t i = 0; i < around.size(); ++i) {
     const Index b = around[i], c = around[(i + 1) % around.size()];
@@ -88,8 +88,8 @@ Probe Probes::in_space(const Point3& x, Index a) const {
   const auto& around = neighbours_[a];
   Probe best{{a, a, a, a}, {1.0, 0.0, 0.0, 0.0}};
   double most = -HUGE_VAL;
-  // Weights of the k given neighbours by the least squares of x - at in the space that they span. Neighbours that span
-  // less do not count.
+  // Weights of the k given neighbours, by a least-squares fit of x - at in the space that they span. Neighbours that
+  // span fewer than k dimensions do not count.
   const auto try_with = [&](std::size_t k, const std::array<Index, 3>& corner) {
     Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> ways(3, static_cast<Eigen::Index>(k));
     for (std::size_t i = 0; i < k; ++i)

@@ -10,10 +10,10 @@
 
 namespace poretwin::pore {
 
-/// A place in the soil as weights of points around it. A value is linear in the triangle (3D: tetrahedron) of the
-/// nearest point and its neighbours that contains the place (Voronoi cells belong to a Delaunay triangulation). Near
-/// the border, where none contains the place, it is extrapolated linearly. All points lie in one soil, since gradients
-/// jump at the border of two.
+/// A place in the soil as weights of points around it. A value is interpolated linearly in the triangle (3D:
+/// tetrahedron) that contains the place; its corners are the nearest point and neighbours of this point (the dual of
+/// Voronoi cells is a Delaunay triangulation). Near the border, where no triangle contains the place, the value is
+/// extrapolated linearly. All points of a probe lie in one soil, since gradients jump at the border of two soils.
 struct Probe {
   std::array<Index, 4> point{};
   std::array<double, 4> weight{};
@@ -28,8 +28,8 @@ struct Probe {
 
 /// A straight line through the soil.
 struct ProbeLine {
-  double length = 0.0, step = 0.0;  ///< m; step: between two places
-  ScalarArray place;    ///< m, distances of the places from its start, increasing; only places in the soil
+  double length = 0.0, step = 0.0;  ///< m; step: between two successive places
+  ScalarArray place;    ///< m, distances of the places from the line's start, increasing; only places in the soil
   std::vector<Probe> probe;
 };
 
@@ -42,10 +42,10 @@ class Probes {
   [[nodiscard]] ProbeLine along(const Point3& from, const Point3& to) const;
 
  private:
-  /// The point nearest to x, in one soil or in all.
+  /// The point nearest to x, in one soil or in all soils.
   [[nodiscard]] Index nearest(const Point3& x, std::optional<std::size_t> soil) const;
-  /// The probe at x in 3D: of the tetrahedra of `a` and three of its neighbours the one whose least weight at x is
-  /// largest; where all points lie in a plane, of the triangles; on a line, of the pairs.
+  /// The probe at x in 3D. It uses the tetrahedron of `a` and three of its neighbours whose least weight at x is
+  /// largest; where all points lie in a plane it uses a triangle, on a line a pair.
   [[nodiscard]] Probe in_space(const Point3& x, Index a) const;
 
   const Case& scene_;

@@ -1,4 +1,4 @@
-// Particles of one soil, four at a time, for work on single particles that ends in their constitutive model.
+// Particles of one soil, four at a time. Work on single particles that ends in their constitutive model uses them.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -15,7 +15,7 @@
 
 namespace poretwin::solid {
 
-/// Up to `most` particles. The last one is repeated up to a multiple of four.
+/// Up to `most` particles. The last particle is repeated up to a multiple of four.
 struct Batch {
   static constexpr std::size_t most = 256;
   Index soil = 0;
@@ -24,7 +24,7 @@ struct Batch {
   std::array<Four, most / n_lanes> fours;
   std::array<Quad, most / n_lanes> volume;     ///< m^D, new volume
   std::array<Quad, most / n_lanes> stiffness;  ///< factors on the elastic moduli, applied to the strains
-  std::vector<Quad> state;                     ///< state variables of the material, one four after the other
+  std::vector<Quad> state;                     ///< state variables of the material, consecutive for each group of four
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };
 
@@ -49,12 +49,12 @@ void treat_part(const State<D>& state, std::size_t part, const Wanted& wanted, c
   finish();
 }
 
-/// Calls treat(batch) for all particles i with wanted(i), with the parts of the rows in parallel. wanted(i) must not
-/// depend on what treat() does to other particles. Rethrows the exception of the lowest part that threw.
+/// Calls treat(batch) for all particles i for which wanted(i) holds, with the parts of the rows in parallel. wanted(i)
+/// must not depend on the effect of treat() on other particles. Rethrows the exception of the lowest part that threw.
 template <int D, class Wanted, class Treat>
 void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat) {
   const Pairs& pairs = state.near.pairs;
-  std::exception_ptr failed;  // of the lowest part; an exception must not leave a thread
+  std::exception_ptr failed;  // of the lowest part; an exception must not leave its thread
   std::size_t failed_part = pairs.n_parts();
   std::mutex writing;
   for_each_part(pairs.n_parts(), [&](std::size_t part) {

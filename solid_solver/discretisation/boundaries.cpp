@@ -14,8 +14,8 @@ namespace poretwin::solid {
 
 namespace {
 
-/// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended by `margin` [m] beyond
-/// it, so that the corner is closed; other ends are free.
+/// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended beyond it by `margin`
+/// [m], so that the corner is closed. Other ends are free.
 template <int D>
 void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
   std::vector<sph::ImagePlane<D>> others = boundaries.planes;
@@ -65,7 +65,7 @@ template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin) {
   using Kind = typename Boundaries<D>::Kind;
   Boundaries<D> boundaries;
-  /// The number of a new boundary.
+  /// Adds a boundary; returns its number.
   const auto number = [&](Kind kind, double friction_angle) {
     boundaries.kinds.push_back(kind);
     boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
@@ -119,7 +119,7 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
 
 namespace {
 
-/// The planes behind which an image lies, in the order of its reflections; periodic sides need no correction.
+/// The planes behind which an image lies, in the order of its reflections. Periodic sides need no correction.
 template <int D>
 void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::vector<Passed<D>>& passed) {
   passed.clear();
@@ -129,8 +129,8 @@ void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::ve
                         boundaries.planes[k].point});
 }
 
-/// The planes at which an image is reflected, in this order, where images are made in all orders. n: number of
-/// particles; k: number of the image.
+/// The planes at which an image is reflected, in this order, for images made in all orders. n: number of particles; k:
+/// number of the image.
 template <int D>
 void find_passed(const Boundaries<D>& boundaries, const sph::Images<D>& images, std::size_t n, std::size_t k,
                  std::vector<Passed<D>>& passed) {
@@ -143,7 +143,7 @@ void find_passed(const Boundaries<D>& boundaries, const sph::Images<D>& images, 
   std::ranges::reverse(passed);
 }
 
-/// Replaces nodes that walls hide from a particle by the particle itself, which contributes nothing.
+/// Replaces neighbours that walls hide from a particle by the particle itself, which contributes nothing.
 template <int D>
 void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_real, std::span<const Vec<D>> position,
                        const sph::Images<D>& images, Pairs& pairs) {
@@ -154,7 +154,7 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_r
       if (walls.empty()) continue;
       for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
         const Index j = pairs.index[m];
-        // Evaluated in the same order for both particles of a pair.
+        // The order is the same for both particles of a pair, and so is the result.
         const bool seen = j >= n_real ? sight.sees(position[i], j, n_real, position, images.by, images.of, walls)
                                       : sight.open(position[std::min(i, j)], position[std::max(i, j)], walls);
         if (!seen) pairs.index[m] = i;
@@ -163,7 +163,7 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_r
   });
 }
 
-/// The points of surfaces at which an image is reflected, in this order.
+/// The points on surfaces at which an image is reflected, in this order.
 template <int D>
 void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mirrors, std::vector<Passed<D>>& passed) {
   passed.clear();
@@ -175,8 +175,8 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
   }
 }
 
-/// Linear maps of velocities through a chain of walls: mirrored at rollers, reversed at fixed walls, and at frictional
-/// walls reversed about the wall slip, v' = 2 s - v.
+/// Composes the linear maps of velocities through a chain of walls: mirrored at rollers, reversed at fixed walls, and
+/// at frictional walls reversed about the wall slip s, v' = 2 s - v.
 template <int D>
 void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
   using Kind = BoundaryKind;
@@ -208,9 +208,9 @@ void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
     Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
     crossing.normal = n;
     crossing.level = n.dot(wall.point);
-    // Takes the parent's body force to the image. Behind several walls rule.map reflects at each of them. At this wall
-    // itself the body force is not reflected, since the stress continues across the wall with the slope that the body
-    // force causes: the second factor undoes that reflection.
+    // Takes the parent's body force to the image. Behind several walls, rule.map reflects it at each of them. At this
+    // wall it must not be reflected, since the stress continues across the wall with the slope that the body force
+    // causes: the second factor undoes that reflection.
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
     if (wall.kind == Kind::roller) crossing.share = normal_part * crossing.share;
     if (wall.kind == Kind::frictional) crossing.friction = wall.friction;
@@ -218,8 +218,8 @@ void find_crossings(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
   }
 }
 
-/// Force per volume [N/m3] of stress that follows a curved wall unchanged: the divergence of a stress s whose
-/// components along the wall and across it are the same all along the wall.
+/// Force per volume [N/m3] of a stress that follows a curved wall: the divergence of a stress s whose components along
+/// and across the wall are the same everywhere along it.
 template <int D>
 Vec<D> bent_stress(const Crossing<D>& wall, const Mat<D>& s) {
   const Vec<D> pull = s * wall.normal;
@@ -228,8 +228,8 @@ Vec<D> bent_stress(const Crossing<D>& wall, const Mat<D>& s) {
   return (across * bend - wall.bend.cwiseProduct(s).sum()) * wall.normal + bend * along + wall.bend * along;
 }
 
-/// Turns the reflections of an image behind curved walls with the motion of its parent at x [m] since the lists were
-/// built. The normal at x is the gradient of the distance from the wall, whose second derivative is S (1 + d S)^-1.
+/// Turns the reflections of an image behind curved walls, for the motion of its parent to x [m] since the lists were
+/// built. The normal at x is the gradient of the distance d from the wall, whose second derivative is S (1 + d S)^-1.
 template <int D>
 void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<D>& rule) {
   std::array<Passed<D>, D> walls = behind.walls;
@@ -259,7 +259,7 @@ void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<
   rule.swelling = swelling;
 }
 
-/// How the plates among the walls that image `which` has passed carry it.
+/// Finds how plates carry image `which`: the plates among the walls that it has passed.
 template <int D>
 void find_plates(std::span<const Passed<D>> passed, const std::vector<PlateMotion<D>>& plates, std::size_t which,
                  ImageRule<D>& rule, std::vector<BehindPlate<D>>& behind) {
@@ -288,7 +288,7 @@ void find_plates(std::span<const Passed<D>> passed, const std::vector<PlateMotio
   for (std::size_t k = begin; k < behind.size(); ++k) behind[k].shift = shift;
 }
 
-/// Moves the images behind plates to where the plates are now.
+/// Moves the images behind plates with the plates to their present places.
 template <int D>
 void follow_plates(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& near) {
   for (const BehindPlate<D>& behind : near.behind_plates) {
@@ -302,7 +302,7 @@ void follow_plates(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& 
   }
 }
 
-/// Sets the velocities that the images behind plates have from the plates.
+/// Sets the velocities that images behind plates get from the plates.
 template <int D>
 void carry_images(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& near) {
   for (const BehindPlate<D>& behind : near.behind_plates) {
@@ -477,11 +477,11 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     if (near.views.offset.empty())
       node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
     else
-      node.flux.setZero();  // the parent bears it: see pull_back
+      node.flux.setZero();  // the parent bears this stress: see pull_back
     if (rule.curved) {
       node.volume *= rule.swelling;
-      // No hourglass control: the soil may have come along the wall from where its normal was another, so that its
-      // displacement has no mirror, and the rotation of soil that follows the wall is none either.
+      // No hourglass control: the soil may have come along the wall from a place with another normal. Then its
+      // displacement has no mirror image, and neither has the rotation of soil that follows the wall.
       node.hourglass_level = Node<D>::flows;
     }
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
@@ -498,8 +498,8 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, slope);
       node.flux -= 2.0 * shear.excess(wall.friction) * (wall.share * shear.traction) * row.transpose();
       if (rule.n_crossings > 1 || p.slip[rule.parent].isZero(0.0)) continue;
-      // Slipping soil is mirrored along the wall as at a roller, so that only friction resists soil that spreads on the
-      // wall.
+      // Slipping soil is mirrored along the wall as at a roller, so that only friction resists soil that spreads along
+      // the wall.
       const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
       if (near.views.offset.empty()) node.flux += rule.slip * nodes[rule.parent].flux * along;
       node.gradient += rule.slip * nodes[rule.parent].gradient * along;

@@ -12,13 +12,13 @@
 
 namespace poretwin::solid {
 
-/// All walls and periodic sides that make images of the soil: planes or, in their place, surfaces.
+/// All walls and periodic sides that make images of the soil: planes, or surfaces in place of the planes.
 template <int D>
 struct Boundaries {
   using Kind = BoundaryKind;
   std::vector<sph::ImagePlane<D>> planes;    ///< plane k has boundary number k
-  sph::Sight<D> sight;                       ///< lines of sight past thin walls, where there are any (2D)
-  std::shared_ptr<const Surfaces> surfaces;  ///< all walls, in place of planes, if any of them has a shape (3D)
+  sph::Sight<D> sight;                       ///< lines of sight past thin walls, if the case has any (2D)
+  std::shared_ptr<const Surfaces> surfaces;  ///< all walls, in place of planes, if any wall has a shape (3D)
   std::vector<Kind> kinds;                   ///< by boundary number
   ScalarArray friction;                      ///< Coulomb's friction coefficient, of frictional boundaries
   std::vector<int> plate;                    ///< number of the plate that a boundary is; -1: none
@@ -32,16 +32,16 @@ struct Boundaries {
 template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin);
 
-/// The boundaries with the plates where they are now; the planes of plates have their speeds.
+/// The boundaries with the plates at their present places. The planes of plates have the plates' speeds.
 template <int D>
 Boundaries<D> with_plates_at(const std::vector<PlateMotion<D>>& plates, Boundaries<D> boundaries);
 
-/// Moves particles that have left through a periodic side in through the opposite one.
+/// Particles that have left through a periodic side re-enter through the opposite side.
 template <int D>
 void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions);
 
-/// Reflects particles that have passed through a wall since the lists were built, and takes away their velocity towards
-/// it. reach [m]: the farthest that they may lie in front of it afterwards.
+/// Reflects particles that have passed through a wall since the lists were built, and removes their velocity towards
+/// the wall. reach [m]: the largest distance in front of the wall at which they may lie afterwards.
 template <int D>
 void keep_before_walls(const Boundaries<D>& boundaries, double reach, const Neighbourhood<D>& near,
                        Particles<D>& particles);
@@ -52,14 +52,14 @@ template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
-/// Sets position, velocity, gradient, flux and hourglass level of the nodes, images included. body: force [N/m3] on
-/// each particle, which gives the slope of the stress at walls; backing: see State.
+/// Sets position, velocity, gradient, flux and hourglass level of the nodes, including images. body: force [N/m3] on
+/// each particle; it gives the slope of the stress at walls. backing: see State.
 template <int D>
 void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body,
                 const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
                 std::vector<Node<D>>& nodes);
 
-/// Sets the velocities only, between the halves of a step.
+/// Sets only the velocities, between the two halves of a step.
 template <int D>
 void fill_velocities(const Particles<D>& particles, Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
 

@@ -12,8 +12,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Smallest and largest displacement [m] (by component) of a tile's particles since the lists were built. Tiles are
-/// points::tile_reach skins and two smoothing lengths wide.
+/// Smallest and largest displacement [m], by component, of a tile's particles since the lists were built. A tile is
+/// points::tile_reach skins plus two smoothing lengths wide.
 template <int D>
 struct Moved {
   Vec<D> low = Vec<D>::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -21,7 +21,7 @@ struct Moved {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
-  /// Upper bound of the relative displacement [m] of two particles, one of this and one of the other tile.
+  /// Upper bound of the relative displacement [m] of two particles, one from this tile and one from the other.
   [[nodiscard]] double against(const Moved& other) const {
     return (high - other.low).cwiseMax(other.high - low).cwiseMax(0.0).norm();
   }
@@ -46,7 +46,7 @@ class Tiles {
     }
     n_ = static_cast<std::size_t>(all);
   }
-  /// False where grains have flown so far that there would be too many tiles. The lists are then rebuilt without them.
+  /// False where grains have flown so far that there would be too many tiles: the lists are then rebuilt.
   [[nodiscard]] bool are_few() const { return n_ > 0; }
 
   /// Whether relative displacements within each tile and between neighbouring tiles stay within the skin.
@@ -78,7 +78,7 @@ class Tiles {
     }
     return static_cast<std::size_t>(k);
   }
-  /// The same for tile k at the place `at` with itself and with those neighbours that come after it.
+  /// The same check, for tile k at the place `at` and its neighbours with a higher number.
   bool touching_move_along(const std::vector<Moved<D>>& moved, std::size_t k, const std::array<long, D>& at,
                            double skin) const {
     constexpr int n_around = D == 2 ? 9 : 27;
@@ -110,7 +110,7 @@ bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhoo
   double plates_moved = 0.0;  // m
   for (std::size_t k = 0; k < p.plates.size(); ++k)
     plates_moved = std::max(plates_moved, (p.plates[k].displacement - near.plates_at[k]).norm());
-  // An image moves by twice the way of its plate besides that of its parent.
+  // An image moves by twice the displacement of its plate, in addition to that of its parent.
   const double most = 0.5 * setup.skin - plates_moved;
   if (most < 0.25 * setup.skin) return false;
   if (plates_moved > 0.0)

@@ -5,10 +5,10 @@
 
 namespace poretwin::solid {
 
-/// Whether the lists still contain all pairs of particles and images within the kernel's reach. True while no particle
-/// has moved by more than half the skin. Beyond that, true if in every tile particles have moved together with those
-/// around them, and if none that has moved farther is near a wall or a periodic side, whose images may move in the
-/// opposite direction.
+/// Whether the lists still contain all pairs of particles and images within the kernel's reach. They do while no
+/// particle has moved by more than half the skin. Beyond that they do if in every tile the particles have moved
+/// together with those around them, and if no particle that has moved farther is near a wall or a periodic side, where
+/// images may move in the opposite direction.
 template <int D>
 bool lists_hold(const Setup<D>& setup, const Particles<D>& particles, const Neighbourhood<D>& near);
 

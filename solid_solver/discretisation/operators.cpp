@@ -1,4 +1,4 @@
-// The loops over all pairs.
+// The loops over all pairs of particles.
 #include "solid_solver/discretisation/operators.hpp"
 
 #include "common/particles/for_pairs.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 using Size = std::size_t;
 
-/// W'/r of a pair at distance r [1/m^(D+2)]: scale u^3 with u = 1 - r / (2 h).
+/// W'/r of a pair at the distance r [1/m^(D+2)]: scale u^3 with u = 1 - r / (2 h), at least 0.
 template <int D>
 struct PairKernel {
   double scale, half_inverse;
@@ -22,7 +22,7 @@ struct PairKernel {
   }
 };
 
-/// Data of a particle or an image that the pressure gradient reads, packed.
+/// The data of a particle or an image that the pressure gradient reads, packed together.
 template <int D>
 struct alignas(32) Soaked {
   Vec<D> position;
@@ -31,13 +31,13 @@ struct alignas(32) Soaked {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// What the kernels' loop keeps of a row: nothing.
+/// The loop that computes kernels needs no sums of a row.
 template <class>
 struct NoSums {
   explicit NoSums(const double*) {}
 };
 
-/// Product M x of matrices (by columns) with vectors.
+/// Product M x of a matrix (stored by columns) with a vector.
 template <int D, class Number>
 [[gnu::always_inline]] inline void times(const Number* matrix, const Number* x, Number* product) {
   for (int a = 0; a < D; ++a) {
@@ -120,7 +120,7 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
     soaked[j] = {state.nodes[j].position, contribution ? state.nodes[j].volume : 0.0,
                  pressure[j < n ? j : state.near.images[j - n].parent]};
   }
-  // The sums are the gradient, then the upper triangle of the moment matrix.
+  // The sums of a row: the gradient, then the upper triangle of the moment matrix.
   constexpr Size n_moments = D * (D + 1) / 2;
   using Own = Sums<D + n_moments>;
   std::vector<Own> sums(n);
@@ -185,7 +185,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
         const double volume = self[N::at_volume], own_level = self[N::at_hourglass_level];
         const auto rows = pair.rows();
         Number head[n_head], other[D * D], r[D], u[D], kr[D];
-        Number contribution[Own::size] = {};  // the force with stiffness, then the viscous forces
+        Number contribution[Own::size] = {};  // first the force with stiffness, then the viscous forces
         gather<0, n_head>(rows, head);
         Number squared{}, approach{}, k;
         for (Size d = 0; d < D; ++d) {
@@ -212,12 +212,12 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
             head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Number{} + self[N::at_rubbing];
         const MaskOf<decltype(pair)> rubs = rubbing > 0.0;
         if (any(rubs)) {
-          // Implicit in the velocities of the pair: an explicit force would make grains rebound that are close
+          // Implicit in the velocities of the pair: an explicit force would make grains rebound that are close together
           // or have swollen.
           const Number stop =
               step * collision * share * (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
           resist *= rubs ? collision / (1.0 - stop) : viscous;
-          // Coulomb's friction of the collision.
+          // Coulomb's friction between colliding grains.
           const MaskOf<decltype(pair)> collides = rubs & (approach > 0.0);
           const Number rate = approach / (collides ? squared : Number{} + 1.0);
           Number along[D], slip{};
@@ -250,7 +250,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
               [=](Index j) { return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data(); });
           for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
           times<D>(other, r, linear);
-          Number weight = stiffness * k, left[D], size{};  // part of the displacement that is not linear
+          Number weight = stiffness * k, left[D], size{};  // `left`: the part of the displacement that is not linear
           for (Size d = 0; d < D; ++d) {
             Number shift;
             gather_one(theirs, d, shift);
@@ -319,7 +319,7 @@ void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, 
         const Vec<D> pull = nodes[i].flux * w;
         sum += back * pull;
         if (!rule.slips || rule.n_crossings > 1 || slip[i].isZero(0.0)) continue;
-        // Slipping soil is mirrored along the wall (fill_nodes).
+        // Slipping soil is mirrored along the wall (see fill_nodes).
         const Vec<D>& normal = rule.crossings[0].normal;
         const Vec<D> along = nodes[i].flux * (w - normal.dot(w) * normal);
         sum += 2.0 * (along - normal.dot(along) * normal);

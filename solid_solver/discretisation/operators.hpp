@@ -1,6 +1,6 @@
 // The SPH operators of the skeleton, as free functions on plain arrays. Gradients are exact for linear fields. The
-// internal force is the exact adjoint of the velocity gradient, so that internal forces do the work that strains store,
-// to rounding.
+// internal force is the exact adjoint of the velocity gradient. Hence the work of internal forces equals, to rounding,
+// the work that strains store.
 #pragma once
 
 #include "common/particles/kernel.hpp"
@@ -18,7 +18,7 @@ namespace poretwin::solid {
 /// Coefficients of the stabilising terms.
 struct Stabilisers {
   /// Hourglass control: a viscosity against the part of the velocity that is not linear around a particle, and a
-  /// stiffness against that part of the displacement, as a fraction of M.
+  /// stiffness, as a fraction of M, against the same part of the displacement.
   double hourglass_viscosity = points::hourglass_viscosity, hourglass_stiffness = points::hourglass_stiffness;
   /// Largest stress of the hourglass stiffness in soil that has yielded, as a fraction of sqrt(J2).
   double held = points::hourglass_bound;
@@ -34,7 +34,7 @@ struct Stabilisers {
   double step = 0.0;                               ///< s, substep in which a collision must not throw particles back
 };
 
-/// Inverse of a symmetric matrix, with eigenvalues below `floor` raised to it.
+/// Inverse of a symmetric matrix whose eigenvalues below `floor` are raised to `floor`.
 template <int D>
 [[gnu::noinline]] Mat<D> invert_above(const Mat<D>& moment, double floor) {
   Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
@@ -43,7 +43,7 @@ template <int D>
   return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// Inverse of the moment M = -sum V F r r^T (F = W'/r), with its eigenvalues raised to a floor, so that particles that
+/// Inverse of the moment M = -sum V F r r^T (F = W'/r). Its eigenvalues are raised to a floor, so that particles that
 /// are nearly alone have a bounded gradient. The corners of a lattice lie above the floor and stay exact.
 template <int D>
 inline Mat<D> invert_moment(const Mat<D>& moment) {
@@ -62,42 +62,42 @@ inline Mat<D> invert_moment(const Mat<D>& moment) {
   if (above) {
     inverse = moment.inverse();
   } else {
-    // Copied element by element: an assignment would make the compiler keep `inverse` in memory instead of registers on
-    // the frequent branch, too.
+    // Copied element by element: an assignment would make the compiler keep `inverse` in memory, not in registers, on
+    // the frequent branch as well.
     const Mat<D> held = invert_above<D>(moment, floor);
     for (int c = 0; c < D * D; ++c) inverse.data()[c] = held.data()[c];
   }
   return inverse;
 }
 
-/// Sets W'/r [1/m^(D+2)] of the pairs in the rows from `first` on.
+/// Sets W'/r [1/m^(D+2)] of the pairs in row `first` and the rows after it.
 template <int D>
 void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, std::size_t first, Kernels& kernel);
 
 /// Sets the velocity gradient [1/s] and the correction B of the particles' nodes: Eqs. (88), (89), corrected so that
-/// linear fields are exact near images and free surfaces alike. fill_nodes sets those of images.
+/// linear fields are exact both near images and at free surfaces. fill_nodes sets the values of images.
 template <int D>
 void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<Node<D>>& nodes);
 
 /// Internal force per volume [N/m3], the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij, Node::flux = sigma B.
-/// It includes a stiffness against the part of the displacement that is not linear around a particle. This stiffness
-/// resists hourglass modes permanently, while a viscosity only slows them, and does not affect uniform strain. In soil
-/// that has yielded its stress is limited to a small fraction of the soil's shear stress (Node::hourglass_level), so
-/// that it does not act as strength.
+/// The internal force includes a stiffness against the part of the displacement that is not linear around a particle.
+/// This stiffness resists hourglass modes permanently, while a viscosity only slows them. It does not affect uniform
+/// strain. In soil that has yielded, the stress of this stiffness is limited to a small fraction of the soil's shear
+/// stress (Node::hourglass_level), so that it does not act as strength.
 ///
-/// The second part of each force, also per volume, holds the hourglass viscosity and an artificial viscosity between
-/// approaching particles. Where grains that are apart collide, the artificial viscosity is larger and comes with
-/// Coulomb's friction; without it thin sheets would have too little friction (23 degrees instead of 31).
+/// The second part of each force, also per volume, contains the hourglass viscosity and an artificial viscosity between
+/// approaching particles. Where grains that are apart collide, the artificial viscosity is larger, and Coulomb's
+/// friction acts; without this friction thin sheets would have too little friction (23 degrees instead of 31).
 ///
-/// The force of a pair is V_i V_j times opposite vectors for its two particles, hence momentum is conserved.
-/// displacement [m]: of all particles; forces are computed for the first n_free of them, and the kernels of their rows
-/// are stored in `kernel`. pairs: those that count, of the particles and of the given images.
+/// The forces of a pair on its two particles are V_i V_j times opposite vectors, so that momentum is conserved.
+/// displacement [m]: of all particles. Forces are computed for the first n_free particles, and the kernels of their
+/// rows are stored in `kernel`. pairs: the pairs that count, of the particles and of the given images.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const std::vector<ImageRule<D>>& images,
                     const VecArray<D>& displacement, std::size_t n_free, double h, const Stabilisers& stabilisers,
                     Kernels& kernel, std::vector<Force<D>>& force);
-/// The same of all pairs in reach.
+/// The internal force of all pairs in reach.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
                     std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
@@ -105,8 +105,8 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   internal_force<D>(nodes, near.pairs, near.images, displacement, n_free, h, stabilisers, kernel, force);
 }
 
-/// The part of the internal force that particles bear as parents of images behind walls of any shape, added to `force`:
-/// a particle i that sees an image of j pulls at j by the adjoint of the image's velocity map T,
+/// Adds to `force` the internal force that acts on particles as parents of images behind walls of any shape. A particle
+/// i that sees an image of j exerts a force on j by the adjoint of the image's velocity map T,
 ///   f_j -= sum_i V_i (V_j' / V_j) T^T (sigma_i B_i) grad W_ij',
 /// with the image's volume V'. Behind planes this is the mirrored stress of the images of i that j sees. slip: see
 /// Particles.
@@ -114,14 +114,14 @@ template <int D>
 void pull_back(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const Kernels& kernel,
                const VecArray<D>& slip, std::vector<Force<D>>& force);
 
-/// Sets the gradient of the displacement at particles with images behind curved walls anew, from the displacements of
-/// the particles around them alone, exact for linear fields. Integrated in time it would drift as soil slides along
-/// such walls, and with it the stiffness against hourglass modes.
+/// Computes the gradient of the displacement anew at particles with images behind curved walls, from the displacements
+/// of only the particles around them. It is exact for linear fields. If integrated in time, this gradient would drift
+/// as soil slides along such walls, and so would the stiffness against hourglass modes.
 template <int D>
 void refit_deformation(const Particles<D>& particles, const Neighbourhood<D>& near, double h,
                        std::vector<Node<D>>& nodes);
 
-/// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]. It makes close pairs in tension repel each other:
+/// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]. It makes close particles in tension repel each other:
 ///   f_i = sum_j V_j (W(r)/W(dx))^n (R_i + R_j) grad W_ij, n = 2.55,
 /// with R = -epsilon times the tensile part of the stress. Added to `force` for the free particles.
 template <int D>
@@ -151,7 +151,7 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
   });
 }
 
-/// The correction B of a particle or of an image; an image has that of its parent, mirrored.
+/// The correction B of a particle or of an image. The correction of an image is that of its parent, mirrored.
 template <int D>
 Mat<D> correction_at(const State<D>& state, std::size_t j) {
   const std::size_t n = state.particles.size();
@@ -160,8 +160,8 @@ Mat<D> correction_at(const State<D>& state, std::size_t j) {
   return rule.map * state.nodes[rule.parent].correction() * rule.map.transpose();
 }
 
-/// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], with B of images mirrored. It is zero inside the soil. At a free
-/// surface it is -(outward normal) times a surface delta function. The force of a uniform stress S is S q, so that a
+/// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], with the B of images mirrored. q is zero inside the soil. At a free
+/// surface it is the inward normal times a surface delta function. The force of a uniform stress S is S q, so that a
 /// traction T acts as -T (n . q) with the outward normal n.
 template <int D>
 VecArray<D> surface_vectors(const State<D>& state) {
@@ -176,14 +176,14 @@ VecArray<D> surface_vectors(const State<D>& state) {
 }
 
 /// Gradient of the pore pressure at the soil's particles [Pa/m], Eq. (62) with the corrected sign, divided by n_s. It
-/// is formed of differences p_j - p_i with corrected kernel gradients, hence exact for linear pressure (buoyancy) and
-/// independent of where the water's surface lies. Only real particles and periodic images contribute, since the water
-/// behind a wall is unknown.
+/// consists of differences p_j - p_i with corrected kernel gradients. Hence it is exact for linear pressure (buoyancy)
+/// and independent of the position of the water's surface. Only real particles and periodic images contribute, since
+/// the water behind a wall is unknown.
 template <int D>
 VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const double> pressure);
 
 /// Sets the gradient of the pore pressure [Pa/m] of the given particles below a loaded face, in the adjoint form of the
-/// stress. Stress and pressure then carry the load together, row by row, however steeply the pressure falls at the
+/// stress. Stress and pressure then carry the load together, row by row, even if the pressure falls steeply at the
 /// face. pressure [Pa]: excess over the pressure beyond the face.
 template <int D>
 void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pressure,
@@ -203,8 +203,8 @@ void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pr
   });
 }
 
-/// Gradient of the pore pressure of Eq. (61), sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. At a free
-/// surface of the soil it acts as if the water's pressure fell to zero there, and expels the particles; it is kept for
+/// Gradient of the pore pressure by Eq. (61), sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. At a free
+/// surface of the soil it acts as if the pressure fell to zero there, and expels the particles; it serves for
 /// comparison. Images have the hydrostatic mirror pressure p' = p + rho_w g . (x' - x). water_weight: rho_w g [N/m3].
 template <int D>
 VecArray<D> pressure_gradient_sum(const State<D>& state, std::span<const double> pressure, const Vec<D>& water_weight) {

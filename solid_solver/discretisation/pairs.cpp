@@ -9,8 +9,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Rows of one part. Offsets count from the part's beginning. Each object has cache lines of its own, since lines
-/// shared by threads are slow to write.
+/// Rows of one part. Offsets count from the beginning of the part. Each object has cache lines of its own, since lines
+/// that threads share are slow to write.
 struct alignas(64) Rows {
   std::vector<Index> offset, alone, index;
   Index fill_up(std::size_t i) {
@@ -19,12 +19,12 @@ struct alignas(64) Rows {
   }
 };
 
-/// A pair may stand in either of its two rows. Entries beyond a multiple of four in one row are moved to the other,
-/// later row, so that hardly any row needs padding (otherwise a sixth of all entries).
+/// A pair may be stored in either of its two rows. The entries of a row beyond a multiple of four are moved to their
+/// other, later row, so that hardly any row needs padding (otherwise a sixth of all entries).
 class PutOff {
  public:
   PutOff(Index first, Index last) : first_(first), newest_(last - first, none) {}
-  /// Adds to row i, which begins at `begin`, the entries moved to it, and moves its own excess to later rows of the
+  /// Adds to row i, which begins at `begin`, the entries moved to this row. Moves its own excess to later rows of the
   /// part. may_take(j): whether row j may take entries.
   template <class MayTake>
   void even_out(Index i, std::size_t begin, const MayTake& may_take, std::vector<Index>& index) {
@@ -48,11 +48,11 @@ class PutOff {
     Index with, older;
   };
   Index first_;
-  std::vector<Index> newest_;  ///< index of each row's newest entry in pairs_
+  std::vector<Index> newest_;  ///< for each row, the index in pairs_ of its newest entry
   std::vector<Pair> pairs_;
 };
 
-/// Fixed and sleeping particles that have moving ones within range: 1 or 0 for each real particle.
+/// Fixed or sleeping particles with a moving particle within range: 1 or 0 for each real particle.
 std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_real, const auto& still) {
   std::vector<char> near(n_real, 0);
   for (const auto& rows : parts)
@@ -61,7 +61,7 @@ std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_real, co
   return near;
 }
 
-/// Appends `count` rows from `row` on.
+/// Appends `count` rows, beginning with `row`.
 void append(const Rows& rows, std::size_t row, std::size_t count, Pairs& pairs) {
   const Index from = row == 0 ? 0 : rows.offset[row - 1], to = rows.offset[row + count - 1];
   const auto begin = static_cast<Index>(pairs.index.size());
@@ -103,8 +103,8 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   pairs.alone.clear();
   pairs.index.clear();
   pairs.part.clear();
-  // Estimated work per row, to cut the rows into parts of equal work. Rows of fixed particles (behind rough walls) cost
-  // less than half of those of free ones, since only some of them have free particles within range.
+  // Estimated work per row, by which the rows are cut into parts of equal work. Rows of fixed particles (behind rough
+  // walls) take less than half of the work of free ones, since only some have free particles within range.
   constexpr std::size_t free_weight = 5, held_weight = 2;
   const std::size_t moving_work = free_weight * n_free, work = moving_work + held_weight * (n_real - n_free);
   for (std::size_t k = 0; k <= n_parts; ++k) {
@@ -126,7 +126,7 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
       });
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
-  // A pair of a moving and a still particle (fixed or asleep) stands in the row of the moving one.
+  // A pair of a moving and a still (fixed or sleeping) particle is stored in the row of the moving one.
   std::vector<Rows> moving(n_parts), resting(n_parts);
   const auto pair_moving = [&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = moving[part];
@@ -190,7 +190,7 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
     }
   });
   for (std::size_t part = 0; part < n_parts; ++part) {
-    std::array<std::size_t, 2> done{};  // number of rows done: of moving particles, of still ones
+    std::array<std::size_t, 2> done{};  // number of rows done: of moving, of still particles
     for (std::size_t i = pairs.part[part], next = i; i < pairs.part[part + 1]; i = next) {
       const bool rests = still(i);
       while (next < pairs.part[part + 1] && still(next) == rests) ++next;

@@ -1,4 +1,4 @@
-// Pairs of the soil's particles and images that interact, each listed once.
+// Pairs of the soil's particles and images that interact. Each pair is listed once.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -7,23 +7,23 @@
 
 namespace poretwin::solid {
 
-/// Pair lists as compressed rows. Row i holds first the real particles with which the interaction is mutual; each such
-/// pair stands in one of its two rows. From alone[i] on it holds the nodes that act on i only: images, and still
-/// particles (fixed or asleep) that are too far from the moving ones to have rows of their own. Both parts are padded
-/// to multiples of four with i itself, which contributes nothing, since loops take four pairs at a time.
+/// Pair lists as compressed rows. Row i begins with the real particles with which the interaction is mutual; each such
+/// pair is in only one of its two rows. Entries from alone[i] on are the nodes that act on i only: images, and
+/// particles at rest (fixed or asleep) that are too far from the moving ones to have rows of their own. Both parts are
+/// padded to multiples of four with i itself, which contributes nothing, since loops take four pairs at a time.
 ///
-/// The rows are divided into parts, one for each thread. A pair across two parts is stored in both, and each copy acts
-/// on its own particle only.
+/// The rows are divided into parts, one for each thread. A pair of two parts is stored in both, and each copy acts only
+/// on the particle of its own part.
 struct Pairs {
   std::vector<Index> offset{0}, alone;
   std::vector<Index> index;
-  std::vector<Index> part{0, 0};  ///< part k has the rows part[k] .. part[k + 1] - 1
-  std::vector<char> skipped;      ///< 1 for rows of sleeping soil among sleeping soil, else 0; empty while nothing
+  std::vector<Index> part{0, 0};  ///< part k consists of the rows part[k] .. part[k + 1] - 1
+  std::vector<char> skipped;      ///< 1 for rows of sleeping soil among sleeping soil, else 0; empty while no soil
                                   ///< sleeps
   [[nodiscard]] bool skips(std::size_t i) const { return !skipped.empty() && skipped[i] != 0; }
   [[nodiscard]] std::size_t size() const { return alone.size(); }
   [[nodiscard]] std::size_t n_parts() const { return part.size() - 1; }
-  /// The rows from `first` to `last` - 1 for for_pairs(), all or those that are not skipped.
+  /// The rows from `first` to `last` - 1 for for_pairs(): all of them (all_rows), or those that are not skipped (rows).
   [[nodiscard]] HalfRows all_rows(std::size_t first, std::size_t last) const {
     return {offset.data(), alone.data(), index.data(), part, index.size(), first, last, nullptr};
   }
@@ -34,9 +34,9 @@ struct Pairs {
   }
 };
 
-/// Which particles have images in their rows, in the order of the images: of image k the views view[offset[k]] ..
-/// view[offset[k + 1] - 1]. The images of one parent follow each other; parent p's are first[p] .. first[p + 1] - 1,
-/// where p counts only particles that have any. Empty where images are symmetric in pairs, as behind planes.
+/// Which particles have images in their rows, in the order of the images: the views of image k are view[offset[k]] ..
+/// view[offset[k + 1] - 1]. The images of one parent are consecutive: those of parent p are first[p] .. first[p + 1] -
+/// 1, where p counts only particles that have images. Empty where images are symmetric in pairs, as behind planes.
 struct Views {
   struct View {
     Index row, pair;  ///< particle, and index of the pair in the list
@@ -58,7 +58,7 @@ void for_rows(const Pairs& pairs, std::size_t first, std::size_t last, Visit&& v
   });
 }
 
-/// Calls visit(i, j, m, both) for every pair: particle i, node j, index m of the pair in the list; both: whether i also
+/// Calls visit(i, j, m, both) for every pair: particle i, node j, index m of the pair in the list. both: whether i also
 /// acts on j.
 template <class Visit>
 void for_each_pair(const Pairs& pairs, Visit&& visit) {
@@ -81,10 +81,10 @@ void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
 }
 
 /// Lists the pairs closer than range [m]: pairs among the first n_real positions, which are particles, and pairs of
-/// these with the rest, which are images. Particles from n_free on are fixed; a free one i sleeps where asleep[i] != 0
-/// (asleep is empty where none does). With no moving particle within range, the row of a fixed particle is empty, and
-/// that of a sleeping one is marked as skipped. The rows are divided into n_parts parts of similar work. originals:
-/// where not empty, the particle of each image, which is seen only from that particle's side of the plane between them.
+/// these with the rest, which are images. Particles from n_free on are fixed. A free particle i sleeps where asleep[i]
+/// != 0 (asleep is empty if none sleeps). If no moving particle is within range, the row of a fixed particle is empty,
+/// and that of a sleeping one is marked as skipped. The rows are divided into n_parts parts of similar work. originals:
+/// if not empty, the particle of each image, which is seen only from this particle's side of the plane midway.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
              std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs);

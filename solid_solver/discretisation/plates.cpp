@@ -11,7 +11,7 @@ namespace poretwin::solid {
 template <int D>
 Vec<D> PlateSetup<D>::prescribed(double time) const {
   Vec<D> moved = Vec<D>::Zero();
-  const double since = std::max(time, 0.0);  // the soil comes to rest before time zero
+  const double since = std::max(time, 0.0);  // before time zero, the soil comes to rest
   if (displacement) moved += displacement->at(since) * normal;
   if (speed) moved += speed->integral(0.0, since) * normal;
   if (slide) moved += slide->at(since) * along;

@@ -10,30 +10,30 @@
 
 namespace poretwin::solid {
 
-/// A plate as the case gives it.
+/// A plate as the case describes it.
 template <int D>
 struct PlateSetup {
   std::string name;
   Vec<D> normal = Vec<D>::Zero();      ///< unit, into the soil: the direction in which the plate presses
   Vec<D> along = Vec<D>::Zero();       ///< unit, along its line, towards its last point
   std::optional<Series> displacement;  ///< m, along the normal
-  std::optional<Series> speed;         ///< m/s, likewise, in place of the displacement
-  std::optional<Series> force;         ///< N, likewise, in place of both
+  std::optional<Series> speed;         ///< m/s, along the normal, in place of the displacement
+  std::optional<Series> force;         ///< N, along the normal, in place of displacement and speed
   std::optional<Series> slide;         ///< m, displacement along the line
-  double start = -std::numeric_limits<double>::infinity();  ///< s; from then on the force acts
+  double start = -std::numeric_limits<double>::infinity();  ///< s, time from which on the force acts
   double mass = 0.0;                                        ///< kg, of a plate under a force
-  double row = 0.0;                                         ///< kg, mass of a row of the soil before the plate
-  bool sinks_in = false;  ///< soil lies beside one of its ends, which it may sink into
-  [[nodiscard]] bool is_free() const { return force.has_value(); }  ///< it moves under a force
-  /// Displacement [m] that the case prescribes at `time` [s]; without the part along the normal of a plate under a
-  /// force.
+  double row = 0.0;                                         ///< kg, mass of a row of the soil in front of the plate
+  bool sinks_in = false;  ///< soil lies beside one of the plate's ends; the plate may sink into it
+  [[nodiscard]] bool is_free() const { return force.has_value(); }  ///< the plate moves under a force
+  /// Displacement [m] that the case prescribes at `time` [s]. For a plate under a force it has no component along the
+  /// normal.
   [[nodiscard]] Vec<D> prescribed(double time) const;
   /// Force [N] along the normal at `time` [s].
   [[nodiscard]] double force_at(double time) const;
 };
 
 /// What the case prescribes for a plate in a step: its displacement at the step's end, `target` [m], and the force on
-/// it along its normal [N]. Of a plate under a force only the displacement along its line is prescribed.
+/// it along its normal [N]. For a plate under a force only the displacement along its line is prescribed.
 template <int D>
 struct PlateOrder {
   Vec<D> target = Vec<D>::Zero();
@@ -45,7 +45,7 @@ template <int D>
 std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const VecArray<D>& position,
                                        const ScalarArray& mass);
 
-/// What the plates are to do in a step that ends at `time` [s].
+/// What the case prescribes for the plates in a step that ends at `time` [s].
 template <int D>
 std::vector<PlateOrder<D>> orders_at(const std::vector<PlateSetup<D>>& plates, double time);
 

@@ -17,12 +17,12 @@ namespace poretwin::solid {
 namespace {
 
 struct Piece {
-  Vec<2> from, to, tangent, normal;  // normal into the soil
+  Vec<2> from, to, tangent, normal;  // the normal points into the soil
   double length;
 };
 
-/// Signed distance [m] to the nearest piece, negative behind the walls. Where two pieces are equally near, at a corner,
-/// the side is that of the piece with the larger distance along its normal.
+/// Signed distance [m] to the nearest piece, negative behind the walls. At a corner, where two pieces are equally near,
+/// the sign is that for the piece with the larger distance along its normal.
 double signed_distance(const std::vector<Piece>& pieces, const Vec<2>& x) {
   double nearest = std::numeric_limits<double>::infinity(), best = 0.0;
   for (const auto& piece : pieces) {
@@ -43,8 +43,8 @@ bool ends_at(const std::vector<Piece>& pieces, const Piece& self, const Vec<2>& 
   });
 }
 
-/// Rows of positions parallel to every piece. At corners, where rows overlap or leave the wall, positions that are too
-/// close to others or to the wall are omitted.
+/// Rows of positions parallel to every piece. At corners rows overlap or leave the wall: positions too close to others
+/// or to the wall are omitted.
 VecArray<2> rows_behind(const std::vector<Piece>& pieces, double spacing) {
   VecArray<2> kept;
   for (const auto& piece : pieces) {
@@ -66,8 +66,8 @@ VecArray<2> rows_behind(const std::vector<Piece>& pieces, double spacing) {
   return kept;
 }
 
-/// In 3D walls are planes without ends. The rows behind rough walls extend over the domain's box and three rows beyond
-/// it, where another rough wall may stand. They omit positions behind walls that are not rough.
+/// In 3D, walls are planes without ends. The rows behind rough walls extend over the domain's box and three rows beyond
+/// it, where another rough wall may be. Positions behind walls that are not rough are omitted.
 VecArray<3> rows_behind(const std::vector<Wall>& walls, const General& general, double spacing) {
   VecArray<3> kept;
   const Point3 beyond = walls::rough_rows * spacing * Point3::Ones();
@@ -111,8 +111,8 @@ VecArray<3> rows_behind(const std::vector<Wall>& walls, const General& general, 
   return kept;
 }
 
-/// Positions of the fixed particles behind the rough walls. Throws CaseError for a rough wall without ends (3D: without
-/// a box).
+/// Positions of the fixed particles behind the rough walls. Throws CaseError for a rough wall without ends (in 3D: in a
+/// case without a box).
 template <int D>
 VecArray<D> held_rows(const std::vector<Wall>& walls, const General& general, double spacing) {
   std::vector<Piece> pieces;

@@ -9,15 +9,15 @@
 namespace poretwin::solid {
 namespace {
 
-/// h^2 sum V |W'/r| over a full neighbourhood [1], in 2D and in 3D.
+/// h^2 sum V |W'/r| over a full neighbourhood [1]; the same value serves 2D and 3D.
 constexpr double full_weight = 3.5;
 
 /// Number of stress components that can differ from zero.
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// Sets Scratch::flows and yielded_since. After a step from equilibrium to equilibrium also for soil that yielded a little, whose plastic
-/// strain since the last call it uses and stores.
+/// Sets Scratch::flows and yielded_since. After a step from equilibrium to equilibrium, soil that yielded a little
+/// counts, too; its plastic strain since the last call is used and stored.
 template <int D>
 void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -39,7 +39,7 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
   }
 }
 
-/// Fills the packed data that the loops over four pairs read.
+/// Fills the packed data that the loops over pairs, four at a time, read.
 template <int D>
 void fill_grains(const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
@@ -57,12 +57,12 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.flows = scratch.flows[source];
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  parallel_for(p.size(), fill);  // sleeping ones, too: they act on others
+  parallel_for(p.size(), fill);  // also sleeping particles, since they act on others
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 
-/// Stress gradients [Pa/m] of the particles that flow, or of all, exact for linear stress up to the soil's surface.
-/// Images get their parents' gradients.
+/// Stress gradients [Pa/m] of the particles that flow, or of all particles; exact for linear stress up to the soil's
+/// surface. Images get the gradients of their parents.
 template <int D>
 void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
   using G = Grain<D>;
@@ -113,8 +113,8 @@ void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
     scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
 }
 
-/// Kernel sums (see Around) for the particles that flow or yielded a little: departures of the stress from the
-/// neighbours' linear fields; for flowing ones also the excess of the neighbours' volumes, the crowding and the
+/// Kernel sums (see Around) for particles that flow or yielded a little: the departures of the stress from the linear
+/// fields of the neighbours. For flowing particles also the excess of the neighbours' volumes, the crowding and the
 /// coverage.
 template <int D>
 const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
@@ -141,8 +141,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
         const bool flows = mine > 0.0;
         const Number yours = head[G::at_flows];
         if (mine == 0.0 && !any(yours < 0.0) && !(pair.both && any(yours > 0.0))) return;
-        // Flowing particles are averaged with flowing ones, others with others. A pair of the others may be
-        // changed by the larger of its two bounds.
+        // Flowing particles are averaged with flowing ones, and others with others. The change of a pair of others is
+        // limited by the larger of its two bounds.
         Number together = flows ? yours : -yours;
         if (!flows) max_in_place(together, Number{} - mine);
         const MaskOf<decltype(pair)> alike = flows ? yours > 0.0 : yours <= 0.0;
@@ -186,7 +186,7 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
           contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
           theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
         }
-        // Pairs of a particle with itself only fill up the list.
+        // Pairs of a particle with itself only pad the list.
         const Number real = distance > 0.0 ? Number{} + 1.0 : Number{};
         contribution[A::at_cover] *= real;
         for (std::size_t q = 0; q < A::size; ++q) own.sum[q] += contribution[q];
@@ -201,8 +201,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   return sums;
 }
 
-/// Evens out stresses and volumes of a batch of particles; afterwards the constitutive model is applied to the result.
-/// moves [m]: displacements that even out their packing.
+/// Evens out stresses and volumes of a batch of particles, before the constitutive model is applied to the result.
+/// moves [m]: displacements that even out the packing.
 template <int D>
 void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
               Batch& batch, std::array<Quad, D>* moves) {
@@ -242,9 +242,9 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       const LaneMask flowing = flows > 0.0;
       const Lanes flowed = (flowing & (shear < elastic)) ? shear / elastic : Lanes{} + 1.0;
       for (int a = 0; a < n_components<D>; ++a) four.stress[a] += flow::stress_share * scale * flowed * around[a];
-      // In wet soil a volume is the space that the soil's motion leaves, which water fills: moved to particles that hardly
-      // yield, it would press water out of them or draw it in. Only what rows that slide past each other err by is
-      // evened out there, and volumes are not taken from the positions.
+      // In wet soil, water fills the volume that the soil's motion leaves. Averaging this volume with particles that
+      // hardly yield would press water out of them or draw it in. Only the error of rows that slide past each other is
+      // evened out there, and volumes are not taken from positions.
       const LaneMask dry = coverage <= 0.5;
       Lanes renewed;
       take_each(state.scratch.yielded_since, i, renewed);
@@ -301,7 +301,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   stress_slopes<D>(state, std::ranges::any_of(flows, [](double f) { return f < 0.0; }), scratch);
   const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
   const auto treated = [&](Index i) {
-    // Soil beside particles that yielded a little is averaged with them, too.
+    // Soil beside particles that yielded a little is also averaged with them.
     const auto* const around = sums[i].x.data();
     const bool evened =
         flows[i] > 0.0 || std::any_of(around, around + n_components<D>, [](double x) { return x != 0.0; });

@@ -17,7 +17,7 @@ void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State
     if (plate.is_free()) way -= plate.normal.dot(way) * plate.normal;
     motion.velocity = way / dt;
     if (!plate.is_free()) continue;
-    // Damped motion is a search for rest, in which the mass does not count: a row's comes to rest with the soil.
+    // Damped motion is a search for rest, in which the mass does not matter: that of a row settles with the soil.
     const double mass = drive.damping > 0.0 ? plate.row : plate.mass;
     const double pushed = across + dt / mass * unbalanced(setup, state, drive, k);
     motion.velocity += pushed / (1.0 + dt * drive.damping) * plate.normal;
@@ -26,7 +26,7 @@ void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State
 
 namespace {
 
-/// Force [N] of the pore pressure on a plate, against its normal.
+/// Force [N] of the pore pressure on a plate, in the direction against the plate's normal.
 template <int D>
 double water_on(const Setup<D>& setup, const State<D>& state, const PlatePairs& list, const Kernels& kernel) {
   const Particles<D>& p = state.particles;
@@ -40,7 +40,7 @@ double water_on(const Setup<D>& setup, const State<D>& state, const PlatePairs& 
     if (i >= p.free()) return;
     const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
     const std::size_t parent = state.near.images[j - n].parent;
-    const double apart = normal.dot(r);  // the sum of both distances from the plate; a corner's image mirrors along it
+    const double apart = normal.dot(r);  // sum of both distances from the plate, also for a corner's image
     const double own = normal.dot(state.nodes[i].position - state.nodes[parent].position);
     const double pressure_i = at_plate(i, 0.5 * (apart + own)), pressure_j = at_plate(parent, 0.5 * (apart - own));
     const Mat<D> weights = pressure_i * state.nodes[i].correction() + pressure_j * correction_at(state, j);

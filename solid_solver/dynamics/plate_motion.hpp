@@ -5,16 +5,16 @@
 
 namespace poretwin::solid {
 
-/// Sets the velocities of the plates for a step of dt [s]: those that bring plates to their targets, or those of plates
-/// under a force and the soil's reaction, with the damping rate of the soil.
+/// Sets the velocities of the plates for a step of dt [s]. They bring plates to their targets; for plates under a
+/// force, they follow from the force and the soil's reaction, with the damping rate of the soil.
 template <int D>
 void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
 
-/// Sums the forces of the skeleton and of the pore water on each plate [N], in the present state. The skeleton's is
-/// minus the sum of the forces that the images behind the plate exert on the soil's particles, stabilising forces
-/// included. The water's is the force of a stress as large as the pore pressure at the plate, p - d n . grad p, with
-/// the particle's distance d from the plate and the plate's normal n: the effective stress is extrapolated to the plate
-/// in the same way. The forces of the state must be current.
+/// Sums the forces of the skeleton and of the pore water on each plate [N], in the present state. The skeleton's force
+/// is minus the sum of the forces that the images behind the plate exert on the soil's particles, stabilising forces
+/// included. The water's force is that of a stress equal to the pore pressure at the plate, p - d n . grad p, with the
+/// particle's distance d from the plate and the plate's normal n: the effective stress is extrapolated to the plate in
+/// the same way. The forces of the state must be current.
 template <int D>
 void measure_reactions(const Setup<D>& setup, State<D>& state);
 
@@ -22,7 +22,7 @@ void measure_reactions(const Setup<D>& setup, State<D>& state);
 template <int D>
 void count_pulls(const Setup<D>& setup, State<D>& state);
 
-/// Force [N] along its normal that is missing for the balance of plate k; 0 where its motion is prescribed.
+/// Force [N] along its normal that plate k lacks for balance; 0 where its motion is prescribed.
 template <int D>
 double unbalanced(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t k) {
   if (!setup.plates[k].is_free() || drive.plates.empty()) return 0.0;
@@ -30,8 +30,8 @@ double unbalanced(const Setup<D>& setup, const State<D>& state, const Drive<D>& 
   return drive.plates[k].force + setup.plates[k].normal.dot(motion.reaction) - motion.water;
 }
 
-/// Whether a plate has a way to go in a step, or its forces are out of balance by more than this share of a reference
-/// acceleration [m/s2].
+/// Whether a plate has to move in a step, or its forces are out of balance by more than `share` of the reference
+/// acceleration `reference` [m/s2].
 template <int D>
 bool plates_move(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, double share, double reference) {
   for (std::size_t k = 0; k < drive.plates.size(); ++k) {
@@ -43,7 +43,7 @@ bool plates_move(const Setup<D>& setup, const State<D>& state, const Drive<D>& d
   return false;
 }
 
-/// Largest acceleration [m/s2] that missing balance would give a plate as heavy as a row of the soil before it.
+/// Largest acceleration [m/s2] that the unbalanced force would give a plate as heavy as a row of the soil before it.
 template <int D>
 double acceleration_of_plates(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double largest = 0.0;

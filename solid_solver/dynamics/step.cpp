@@ -21,7 +21,7 @@ template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   Particles<D>& p = state.particles;
   wrap_periodic<D>(setup.boundaries, p.position);
-  Boundaries<D> moved;  // with the plates where they are
+  Boundaries<D> moved;  // with the plates at their present places
   if (!setup.plates.empty()) moved = with_plates_at<D>(p.plates, setup.boundaries);
   const Boundaries<D>& boundaries = setup.plates.empty() ? setup.boundaries : moved;
   keep_before_walls<D>(boundaries, setup.spacing, state.near, p);
@@ -84,7 +84,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   if (setup.counts_impulses) state.from_outside += dt * force_from_outside(setup, state, drive);
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
-      // A sleeping particle transmits waves: a force of its neighbours moves it as fast as a wave would, until the
+      // A sleeping particle transmits waves: a force from its neighbours moves it as fast as a wave would, until the
       // force counts as a disturbance.
       const Vec<D> push = p.volume[i] * state.force[i].internal() - state.regions.mark[i];
       const double let_through = 0.5 * setup.stabilisers.sound_speed / setup.spacing;
@@ -127,8 +127,8 @@ void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& s
     p.position[i] += moved;
     p.displacement[i] += moved;
     if (state.dilation.is_allocated()) state.dilation.values()[i] += dt * state.nodes[i].gradient.trace();
-    // The gradient of the displacement with respect to the present position, at a particle that moves: d(1 - F^-1)/dt =
-    // F^-1 L.
+    // The gradient of the displacement with respect to the present position, at a moving particle: d(1 - F^-1)/dt =
+    // F^-1 L, with the deformation gradient F and the velocity gradient L.
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
@@ -151,7 +151,7 @@ VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient
 template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup) {
   VecArray<D> q;
-  std::map<std::size_t, double> measured;  // m, length measured on the lattice, of each load
+  std::map<std::size_t, double> measured;  // length of each load, measured on the lattice [m]
   for (const auto& patch : setup.loads) {
     if (patch.length <= 0.0) continue;
     if (q.empty()) q = surface_vectors<D>(state);

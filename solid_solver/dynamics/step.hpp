@@ -10,19 +10,19 @@ template <int D>
 struct Drive {
   OrZero<Vec<D>> distributed;    ///< N on each particle: the water's pressure and drag
   VecArray<D> traction;          ///< N on each particle near a loaded face
-  ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v) by which the soil
+  ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v) with which the soil
                                  ///< tracks the fluid's prediction: bulk volume V, impedance Z (exchange/tracking.hpp)
   VecArray<D> target;            ///< m/s, target velocity of each particle
-  std::vector<PlateOrder<D>> plates;  ///< what the plates are to do; empty: they stand still
+  std::vector<PlateOrder<D>> plates;  ///< orders for the plates; empty: the plates do not move
   double damping = 0.0;          ///< 1/s, damping rate of all soil
-  double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while others flow
+  double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while other regions flow
 };
 
-/// Builds lists and images anew. The forces are to be evaluated afterwards.
+/// Builds lists and images anew. The forces must be evaluated afterwards.
 template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state);
 
-/// Builds lists and images anew and evaluates what depends on them: kernels, gradients, corrections.
+/// Builds lists and images anew and evaluates the quantities that depend on them: kernels, gradients, corrections.
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state);
 
@@ -34,12 +34,12 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state);
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state);
 
-/// Sum of the forces on the free particles from outside the soil [N; 2D: N/m], without the water's: weight, loads and,
-/// through their images, walls.
+/// Sum of the forces on the free particles from outside the soil [N; 2D: N/m], without those of the water: weight,
+/// loads and, by their images, walls.
 template <int D>
 Vec<D> force_from_outside(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive);
 
-/// One substep of dt [s]. The forces of the state must be current, and are current again afterwards. Adds the impulse
+/// One substep of dt [s]. The forces of the state must be current before it, and are current after it. Adds the impulse
 /// of the tracking force to state.returned_impulse.
 template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
@@ -53,9 +53,9 @@ template <int D>
 VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,
                               std::span<const double> pressure);
 
-/// Sets the scale of every load on a line so that its total force is traction times length. The scale is measured on
-/// the initial lattice, where curved and inclined surfaces have steps and a line may end between two columns of
-/// particles.
+/// Sets the scale of every load on a line so that the load's total force is traction times length. The scale is
+/// measured on the initial lattice, where curved and inclined surfaces have steps and a line may end between two
+/// columns of particles.
 template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup);
 
@@ -64,8 +64,8 @@ void measure_loads(const State<D>& state, Setup<D>& setup);
 template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
 
-/// Throws DivergedError with particle, stress and the last good time when a value is not finite, or when a particle
-/// crosses more than a spacing in a substep; likewise where a plate has sunk too far into soil beside its ends.
+/// Throws DivergedError, with particle, stress and the last good time, when a value is not finite, when a particle
+/// crosses more than a spacing in a substep, or when a plate has sunk too far into soil beside its ends.
 template <int D>
 void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_time);
 

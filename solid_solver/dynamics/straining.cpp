@@ -6,15 +6,15 @@
 namespace poretwin::solid {
 namespace {
 
-/// Computes trial strains, rotated stresses, and the volumes that result from the strains, for a batch of particles.
+/// Computes trial strains, rotated stresses, and the volumes that follow from the strains, for a batch of particles.
 template <int D>
 void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batch) {
   const Particles<D>& p = state.particles;
   const Index soil = batch.soil;
   const double density = setup.density[soil], grain_density = setup.grain_density[soil],
                grain_share = setup.grain_share[soil];
-  // The solid fraction n_s = m / (rho_s V), Eq. (50), conserves mass: V changes with the rate of strain. V is bounded,
-  // since an opening crack is no porosity, and since colliding grains keep a tenth of their pores.
+  // The solid fraction n_s = m / (rho_s V), Eq. (50), conserves mass: V changes at the rate of volumetric strain. V is
+  // bounded, since an opening crack is not porosity, and since colliding grains keep a tenth of their pores.
   run_lanes([&]() __attribute__((always_inline)) {
     for (std::size_t q = 0; q < batch.n_fours(); ++q) {
       const Index* const i = &batch.who[q * n_lanes];
@@ -26,13 +26,13 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       take_each(p.mass, i, mass);
       take_each(p.volume, i, volume);
       const Lanes reference = mass / density, grains = mass / grain_density;
-      // The limit of dilation is evaluated with the void ratio at the start of the step. With the one at its end,
-      // dilation would start and stop from trial to trial in a search for equilibrium.
+      // The limit of dilation uses the void ratio at the start of the step. With that at the end, dilation would start
+      // and stop from trial to trial in a search for equilibrium.
       take_each(state.external.saturation, i, four.saturation);
       four.void_ratio = volume / (grain_share * grains) - 1.0;
       Lanes rate{}, closest = grains + flow::pores_left * (reference - grains);
       for (int d = 0; d < D; ++d) rate += gradient[d + D * d];
-      // What only evens out the points is no strain of the soil.
+      // Motion that only evens out the points is no strain of the soil.
       Lanes spreading;
       take_each(state.external.spreading, i, spreading);
       rate -= spreading;
@@ -53,7 +53,7 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       batch.stiffness[q].v = share;
       for (int c = 0; c < 6; ++c) {
         four.stress[c] += dt * turning[c];
-        four.strain[c] *= dt * share;  // gives the stress of the lower moduli
+        four.strain[c] *= dt * share;  // the stress of the lower moduli
       }
     }
   });

@@ -6,7 +6,7 @@
 namespace poretwin::solid {
 
 /// Advances volume, stress, plastic strain, `rubbing` and `yielded` of every particle that is awake by dt [s], with the
-/// velocity gradient of its node; four particles of one soil at a time.
+/// velocity gradient of its node, for four particles of one soil at a time.
 template <int D>
 void strain(const Setup<D>& setup, double dt, State<D>& state);
 

@@ -6,7 +6,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// Whether a wall itself lies opposite x [m], without what it is extended by for images.
+/// Whether the wall itself is opposite x [m], and not only its extension for images.
 template <int D>
 bool stands_before(const sph::ImagePlane<D>& wall, const Vec<D>& x) {
   if (wall.screen < 0) return wall.faces(x);
@@ -14,7 +14,7 @@ bool stands_before(const sph::ImagePlane<D>& wall, const Vec<D>& x) {
   return along >= wall.seen_from && along <= wall.seen_to;
 }
 
-/// Calls visit(image, node, weight) for the images that act on particle i, weight = V W'/r (x_i - x_j) [1/m].
+/// Calls visit(image, node, weight) for the images that act on particle i; weight = V W'/r (x_i - x_j) [1/m].
 template <int D, class Visit>
 void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
   const std::size_t n = state.particles.size();
@@ -27,8 +27,8 @@ void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
   }
 }
 
-/// Derivative of the soil's velocity gradient across the wall with respect to the wall slip, d(dv_t/dn)/ds [1/m], at
-/// particle i; negative.
+/// How the soil's velocity gradient across the wall changes with the wall slip, d(dv_t/dn)/ds [1/m], at particle i;
+/// negative.
 template <int D>
 double effect_of_slip(const State<D>& state, std::size_t i, const Vec<D>& normal) {
   const Vec<D> row = state.nodes[i].correction() * normal;
@@ -40,9 +40,9 @@ double effect_of_slip(const State<D>& state, std::size_t i, const Vec<D>& normal
   return effect;
 }
 
-/// Force density [N/m3] of stress that changes along a wall, at particle i: the divergence of the stress without its
-/// derivative across the wall, by least squares over the parents of the images behind it. Zero where those do not
-/// spread along the wall.
+/// Force density [N/m3] of stress that changes along a wall, at particle i: the divergence of the stress without the
+/// derivative across the wall, by least squares over the parents of the images behind the wall. Zero where these
+/// parents do not spread along the wall.
 template <int D>
 Vec<D> divergence_along(const State<D>& state, std::size_t i, const Vec<D>& normal) {
   using Slopes = Eigen::Matrix<double, D, D * D>;
@@ -65,15 +65,15 @@ Vec<D> divergence_along(const State<D>& state, std::size_t i, const Vec<D>& norm
   return sum;
 }
 
-/// Force density r0 - r s on soil that moves along a wall with the slip velocity s, besides its body force: inertia,
-/// damping, and the force that makes it track the fluid's prediction.
+/// Force density r0 - r s on soil that moves along a wall with the slip velocity s, in addition to its body force:
+/// inertia, damping, and the force with which it tracks the fluid's prediction.
 template <int D>
 struct AlongWall {
   double resistance = 0.0;        ///< r, N s/m4
   Vec<D> force = Vec<D>::Zero();  ///< r0, N/m3
 };
 
-/// slip: s at the start of the step of dt [s].
+/// slip: s at the start of the step, whose length is dt [s].
 template <int D>
 AlongWall<D> along_wall(const State<D>& state, std::size_t i, const Drive<D>& drive, double dt, const Vec<D>& slip) {
   const Particles<D>& p = state.particles;
@@ -87,12 +87,12 @@ AlongWall<D> along_wall(const State<D>& state, std::size_t i, const Drive<D>& dr
   return out;
 }
 
-/// Calls visit(i, friction coefficient, normal, distance [m]) for particles nearer to a frictional wall than a spacing.
+/// Calls visit(i, friction coefficient, normal, distance [m]) for particles within a spacing of a frictional wall.
 template <int D, class Visit>
 void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit) {
   const Boundaries<D>& walls = setup.boundaries;
   if (walls.surfaces) {
-    // A particle touches where an image by one wall alone mirrors it.
+    // A particle touches a wall where an image by that wall alone mirrors it.
     for (const ImageRule<D>& image : state.near.images) {
       const Crossing<D>& wall = image.crossings[0];
       if (image.n_crossings != 1 || std::isinf(wall.friction) || image.parent >= state.particles.free() ||
@@ -109,7 +109,7 @@ void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit)
     const Vec<D>& normal = walls.planes[k].normal;
     for (std::size_t i = 0; i < state.particles.free(); ++i) {
       if (state.regions.sleeps(i)) continue;
-      const Vec<D>& x = state.nodes[i].position;  // the kernels'
+      const Vec<D>& x = state.nodes[i].position;  // the position that the kernels use
       const double distance = normal.dot(x - walls.planes[k].point);
       if (distance >= 0.0 && distance < setup.spacing && stands_before(walls.planes[k], x))
         visit(i, walls.friction[k], normal, distance);
@@ -157,14 +157,14 @@ void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, Sta
     const double effect = effect_of_slip(state, i, normal);
     if (effect > -walls::touches_from / setup.spacing) return;
     touches[i] = 1;
-    const double stiffness = -effect * moduli(setup, p, i).shear * dt;  // Pa s/m, of the particle's shear against slip
+    const double stiffness = -effect * moduli(setup, p, i).shear * dt;  // Pa s/m, shear of the particle, per slip
     const Vec<D> body = state.body[i] + p.wall_slope[i];
     const double reach = distance * slope_carried<D>(p, i, normal, distance, body);
     const WallShear<D> found = wall_shear<D>(p.stress[i], normal, reach, body);
     const auto tangential = [&](const Vec<D>& v) { return Vec<D>(v - normal.dot(v) * normal); };
     const Vec<D> before = tangential(p.slip[i]);
     const AlongWall<D> moves = drive ? along_wall(state, i, *drive, dt, before) : AlongWall<D>{};
-    const double resistance = stiffness + reach * moves.resistance;  // Pa s/m, of the traction against slip
+    const double resistance = stiffness + reach * moves.resistance;  // Pa s/m, change of traction per slip velocity
     const Vec<D> force = tangential(moves.force);
     const WallShear<D> stuck{found.traction + stiffness * before + reach * force, found.pressure};
     const double excess = stuck.excess(friction);
@@ -176,7 +176,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, Sta
     const Mat<D> unsheared = effect * (slip - before) * normal.transpose();
     state.nodes[i].gradient += unsheared;
     state.nodes[i].deformation += dt * unsheared;
-    if (excess > 0.0)  // the wall is as far behind as the soil's own shear explains
+    if (excess > 0.0)  // the wall is where the soil's own shear puts it
       p.slipped[i] += tangential(p.displacement[i] - distance * state.nodes[i].deformation * normal - p.slipped[i]);
     set_matrix<D>(matrix_of<D>(p.stress[i]) + change * normal.transpose() + normal * change.transpose(), p.stress[i]);
     const double plastic = setup.models[p.material[i]]->advance(

@@ -9,7 +9,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// Pressure beyond the soil's surface near a particle, linear in the position.
+/// Pressure beyond the soil's surface near a particle, as a linear function of position.
 template <int D>
 struct Beyond {
   double datum = 0.0;             ///< Pa, at the origin
@@ -17,7 +17,7 @@ struct Beyond {
   [[nodiscard]] double at(const Vec<D>& x) const { return datum + slope.dot(x); }
 };
 
-/// Distance [m] of a point from a face on a plane (3D); infinite where the point does not lie before the face.
+/// Distance [m] of a point from a face on a plane (3D); infinite if the point does not lie in front of the face.
 double distance_from_plane(const Face& face, const Point3& x) {
   if (face.normal.isZero()) return HUGE_VAL;
   const Point3 inwards = face.normal.normalized();
@@ -26,9 +26,9 @@ double distance_from_plane(const Face& face, const Point3& x) {
   return distance;
 }
 
-/// Pressure behind the nearest face within `reach` [m] of the particle; zero (air) where there is none. The face is
-/// looked for around the particle's position as the case draws it (`drawn`) and its pressure evaluated at the position
-/// `now`.
+/// Pressure behind the nearest face within `reach` [m] of the particle; zero (air) if there is no such face. The face
+/// is looked for around the particle's position as the case draws it (`drawn`), and its pressure is evaluated at its
+/// present position (`now`).
 template <int D>
 Beyond<D> beyond(const Setup<D>& setup, const Vec<D>& drawn, const Vec<D>& now, double reach, double time) {
   Point3 x = Point3::Zero();
@@ -51,8 +51,8 @@ Beyond<D> beyond(const Setup<D>& setup, const Vec<D>& drawn, const Vec<D>& now, 
   return water.at(now) > 0.0 ? water : Beyond<D>{};
 }
 
-/// Which particles a free surface affects: those with a surface vector of some length, and all within a kernel's reach
-/// of the first row. Without the latter the third row in 3D, whose vector is 0.0199 over the spacing, would lose 2 % of
+/// Particles that the free surface affects: those with a surface vector of sufficient length, and all within a kernel's
+/// reach of the first row. Otherwise the third row in 3D, with a surface vector of 0.0199 / spacing, would lose 2 % of
 /// the load. surface [1/m]: surface_vectors().
 template <int D>
 std::vector<char> feel_surface(const Setup<D>& setup, const State<D>& state, const VecArray<D>& surface) {
@@ -76,7 +76,7 @@ VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std:
   VecArray<D> gradient = pressure_gradient_difference<D>(state, pressure);
   const VecArray<D> surface = surface_vectors(state);
   const double reach = 2.0 * sph::support_radius * setup.smoothing_length;
-  // The water is computed on the soil as the case draws it, without its displacement before time zero.
+  // The water is computed on the soil as the case draws it: the displacement before time zero is subtracted.
   const auto place = [&](std::size_t i) { return Vec<D>(p.position[i] - state.rest_displacement[i]); };
   const std::vector<char> at_surface = feel_surface(setup, state, surface);
   std::vector<Beyond<D>> outside(n);
@@ -91,7 +91,7 @@ VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std:
     const bool image = j >= n;
     const std::size_t source = image ? state.near.images[j - n].parent : j;
     const Node<D>&a = state.nodes[i], &b = state.nodes[j];
-    // Behind a wall the pressure continues with its gradient.
+    // Behind a wall, the pressure continues with its gradient at the wall.
     double theirs = pressure[source];
     if (image && !state.near.images[j - n].periodic)
       theirs += gradient[source].dot(b.position - state.nodes[source].position);

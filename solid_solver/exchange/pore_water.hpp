@@ -10,7 +10,7 @@ namespace poretwin::solid {
 /// Pressure [Pa] of the case's [[pore_pressure]] at x [m] and time t [s]; empty where the soil is dry.
 std::optional<double> prescribed_pressure(const WaterSetup& setup, const Point3& x, double t);
 
-/// The next time [s] after t [s] at which a prescribed pressure changes its rate; infinite if there is none.
+/// The next time [s] after t [s] at which a prescribed pressure changes its rate; infinite if none follows.
 double next_change_after(const WaterSetup& setup, double t);
 
 }  // namespace poretwin::solid

@@ -1,4 +1,4 @@
-// Quantities that depend on the particles' positions alone, evaluated on demand, once for each revision of the
+// Quantities that depend only on the particles' positions. They are evaluated on demand, once for each revision of the
 // positions.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace poretwin::solid {
 template <int D>
 class PositionCache {
  public:
-  /// The result of own_coverage().
+  /// own_coverage() of the present positions.
   const ScalarArray& coverage(const Setup<D>& setup, const State<D>& state) {
     renew(state);
     if (coverage_.empty()) coverage_ = own_coverage(setup, state);

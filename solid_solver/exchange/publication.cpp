@@ -37,7 +37,7 @@ coupling::Publication published(const Setup<D>& setup, const State<D>& state, Po
     for (std::size_t i = 0; i < all; ++i) f.values[i] = value(parent(i));
     out.fields.push_back(std::move(f));
   };
-  auto vectors = [&](std::string_view name, auto&& value) {  // value(i): of point i, images included
+  auto vectors = [&](std::string_view name, auto&& value) {  // value(i): vector of point i, images included
     coupling::Field f{std::string(name), D, ScalarArray(all * D)};
     for (std::size_t i = 0; i < all; ++i) {
       const Vec<D> v = value(i);

@@ -8,7 +8,7 @@
 
 namespace poretwin::solid {
 
-/// Coverage of each particle by the soil, sum V W [1], the particle itself included: 1 inside, less at faces.
+/// Coverage of each particle by the soil, sum V W [1], including the particle itself: 1 inside, less at faces.
 template <int D>
 ScalarArray own_coverage(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
@@ -23,10 +23,10 @@ ScalarArray own_coverage(const Setup<D>& setup, const State<D>& state) {
   return own;
 }
 
-/// Degree of saturation s_r of every particle, Eq. (90): it grows from the soil's initial saturation to 1 with the
-/// ratio of the coverage by water [0..1] to the coverage by soil. The ratio makes a wetted face as wet as the soil
-/// behind it. A ratio of 95 % counts as full, since the coverage of disordered points scatters by some percent. own()
-/// returns own_coverage() by reference and is called only where there is water.
+/// Degree of saturation s_r of every particle, Eq. (90). It increases from the soil's initial saturation to 1 with the
+/// ratio of the coverage by water [0..1] to the coverage by soil. With this ratio a wetted face becomes as wet as the
+/// soil behind it. A ratio of 95 % counts as full, since the coverage of disordered points scatters by some percent.
+/// own() returns own_coverage() by reference and is called only where there is water.
 template <int D, class Own>
 void degree_of_saturation(const std::vector<Soil>& soils, const State<D>& state, const OrZero<double>& coverage,
                           Own&& own, OrZero<double>& saturation) {

@@ -25,7 +25,7 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
   for (std::size_t i = 0; i < n; ++i) {
     if (state.external.coverage[i] <= 0.0 || water.soil_seen[i] <= exchange::least_seen) continue;
     const double R = p.mass[i] / p.volume[i];
-    double along = 0.0, z = 0.0;  // impedance by the inertia of the entrained water; total impedance
+    double along = 0.0, z = 0.0;  // impedance by inertia of entrained water; total impedance
     if (setup.water.drags) {
       const double n_w = void_fraction(setup, p, i);
       const auto law = porous::resistance(setup.water.weight, n_w, cache.seepage(setup, state)[i]);
@@ -34,9 +34,9 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
       const double slip = law.speed(force), C = law.slope(slip), a = n_w * setup.water.density / interval;
       tracking.dissipated += p.volume[i] * force * slip * interval;
       along = C * a / (a + C);
-      // In the parallel scheme the prediction is that of the last window, so that the impedance also stands for the
-      // pressure's resistance: where grains advance, water flows back, n v_w = -n_s v_s, and drag and pressure together
-      // resist with C / n^2.
+      // In the parallel scheme, the prediction is that of the last window. The impedance therefore includes the
+      // resistance of the pressure: where grains advance, water flows back, n v_w = -n_s v_s, and drag and pressure
+      // together resist with C / n^2.
       z = setup.inertia_share > 0.0 ? C / (n_w * n_w) : rests ? C : along;
       if (again) {
         tracking.answers[i] =
@@ -52,12 +52,12 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
       const std::size_t c = i * D + static_cast<std::size_t>(d);
       double& change = tracking.change[i][d];
       change = setup.parallel ? water.predicted[c] - p.velocity[i][d] : water.change[c];
-      // The inertia term acts against a departure from the predicted change, the drag against one from the predicted
-      // velocity.
+      // The inertia term acts against a departure from the predicted change of velocity, the drag against a departure
+      // from the predicted velocity.
       if (rests && !setup.parallel && z > 0.0)
         change = (1.0 - inertia / z) * (water.predicted[c] - p.velocity[i][d]) + inertia / z * water.change[c];
-      // In a repeated window the fluid reports the difference between its prediction and the velocity that the last
-      // pass found.
+      // In a repeated window, the fluid reports the difference between its prediction and the velocity found in the
+      // last pass.
       if (again) change = found[i][d] + water.change[c] - p.velocity[i][d];
     }
     tracking.drive.target[i] = p.velocity[i] + tracking.change[i];

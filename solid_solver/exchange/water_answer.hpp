@@ -1,4 +1,4 @@
-// Impedance by which the water resists a departure of the soil from the predicted motion, in a long window that is
+// Impedance with which the water resists a departure of the soil from the predicted motion, in a long window that is
 // repeated until fluid and solid agree.
 #pragma once
 
@@ -15,19 +15,19 @@ struct WaterInWindow {
   double interval = 0.0;  ///< Dt, s
 };
 
-/// Impedances that the soil meets in a pass through a window, in place of the water's own. They decide how fast the
-/// passes converge, but not the result.
+/// Impedances that resist the soil in a pass through a window, in place of the water's own impedance. They determine
+/// how fast the passes converge, but not the result.
 ///
-/// Shear entrains the water: impedance C a / (a + C). Pressure resists dilation: impedance C / n^2 at any wavelength,
-/// as long as nothing drains within the window. Let A be the stiffness that the fluid predicts with, T the true one, D
-/// the water's impedance and Z the one in its place: a pass multiplies an error by (A - T) (Z - D) / ((A + D) (T + Z)).
-/// With Z = C, the motion of soil that shears freely (T = 0, D << Z) would hardly change from pass to pass. With no
-/// impedance against dilation, long waves (D >> A) would diverge once the soil is less than half as stiff as predicted.
+/// Shear entrains the water: its impedance is C a / (a + C). Pressure resists dilation: impedance C / n^2 at any
+/// wavelength, while nothing drains within the window. Let A be the stiffness in the fluid's prediction, T the true
+/// one, D the water's impedance and Z the one used in its place: a pass multiplies an error by (A - T) (Z - D) / ((A +
+/// D) (T + Z)). With Z = C, the motion of soil that shears freely (T = 0, D << Z) would hardly change from pass to
+/// pass. With Z = 0 for dilation, long waves (D >> A) would diverge in soil less than half as stiff as predicted.
 ///
 /// Hence the two limits are blended. Their weight is the fraction of its pressure that the shortest wave keeps over the
-/// window, exp(-alpha) with alpha = Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). Undrained, the impedance is the
-/// drag. Drained, it is the water's inertia, and half the skeleton's own modulus against dilation. With these, errors
-/// shrink at every wavelength for true stiffnesses down to a quarter of the predicted one.
+/// window, exp(-alpha) with alpha = Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). In undrained soil the impedance is
+/// the drag. In drained soil it is the water's inertia and, against dilation, half the skeleton's modulus. With these
+/// impedances, errors decrease at every wavelength if the true stiffness is at least a quarter of the predicted.
 struct WaterAnswer {
   double translation = 0.0;  ///< N s/m4, against a departure of the velocity
   double dilation = 0.0;     ///< Pa, against a departure of the volumetric strain

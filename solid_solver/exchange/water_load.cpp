@@ -16,7 +16,7 @@ namespace {
 
 using namespace coupling;  // NOLINT: the names of the contract
 
-/// Values of a field at the soil's points; zero when the inbox is empty (a solid alone).
+/// Values of a field at the soil's points; zero if the inbox is empty, as for a solid without a fluid.
 OrZero<double> field_or_zero(const Inbox& inbox, std::string_view name, std::size_t n, std::size_t components) {
   if (inbox.coverage.empty() && inbox.fields.empty()) return {};
   const Field& field = inbox.at(name);
@@ -36,12 +36,12 @@ OrZero<double> coverage_of(const Inbox& inbox, std::size_t n) {
 }
 
 /// Changes the pressure gradient of the particles below a loaded face to the adjoint form, so that stress and pressure
-/// carry the load together. The pressure of water beyond the face is subtracted first.
+/// carry the load together. Before that, the pressure of the water beyond the face is subtracted.
 template <int D>
 void share_load(const Setup<D>& setup, const State<D>& state, const LoadedPatch<D>& patch,
                 const OrZero<double>& pressure, double time, VecArray<D>& gradient) {
-  // Not where the soil has moved away from the face: there the fluid predicts a balance that the soil does not have. In
-  // coarse, soft soil the difference grew from window to window beyond 0.14 spacings.
+  // Not done where the soil has moved away from the face: there the fluid predicts a balance that the soil does not
+  // have. In coarse, soft soil farther than 0.14 spacings away, the difference grew from window to window.
   double nearest = std::numeric_limits<double>::infinity();
   for (const Index i : patch.particles)
     nearest = std::min(nearest, patch.normal.dot(reference_position(setup, state, i)) - patch.level);
@@ -119,7 +119,7 @@ WaterInput<D> take_water(const Setup<D>& setup, const Inbox& inbox, const Window
     for (int d = 0; d < D; ++d) state.received[d] += impulse[i * D + static_cast<std::size_t>(d)];
   }
   // In the parallel scheme the soil receives the last window's drag as a constant force. In a window of another length
-  // the impulse of that force differs from the impulse that the fluid gave. The water has to supply the difference.
+  // the impulse of this force differs from the impulse that the fluid gave: the water must supply the difference.
   const double beyond = setup.parallel && state.last_interval > 0.0 ? interval / state.last_interval - 1.0 : 0.0;
   state.last_interval = interval;
   if (beyond != 0.0 && impulse.is_allocated()) {
@@ -133,8 +133,8 @@ WaterInput<D> take_water(const Setup<D>& setup, const Inbox& inbox, const Window
   water.soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
   state.external.spreading = field_or_zero(inbox, field::spreading_rate, n, 1);
 
-  // The pressure changes linearly in the window. Its gradient is linear in it and evaluated once, at the window's
-  // start.
+  // The pressure changes linearly in the window, and so does its gradient.
+  // The gradient is evaluated once, with the positions at the window's start.
   water.from = state.external.pressure_gradient;
   water.to = gradient_of(setup, state, state.external.pressure, window.time);
   const OrZero<double> at_surface = field_or_zero(inbox, field::surface_share, n, 1);
@@ -180,7 +180,7 @@ template <int D>
 Vec<D> steady_water_force(const Setup<D>& setup, const State<D>& state, std::size_t i,
                           const Vec<D>& pressure_gradient) {
   const Particles<D>& p = state.particles;
-  double wet = state.external.coverage[i];  // water's fraction of the pores
+  double wet = state.external.coverage[i];  // fraction of the pores filled by water particles
   if (!setup.water.is_prescribed()) {
     const double residual = setup.soils[p.material[i]].initial_saturation;
     wet = residual < 1.0 ? (state.external.saturation[i] - residual) / (1.0 - residual) : 0.0;

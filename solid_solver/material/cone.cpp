@@ -10,7 +10,7 @@ Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soi
   const double phi = friction_angle * std::numbers::pi / 180.0, psi = dilation_angle * std::numbers::pi / 180.0;
   const double sin_phi = std::sin(phi), cos_phi = std::cos(phi), tan_phi = std::tan(phi), tan_psi = std::tan(psi);
   Cone cone;
-  // Plane strain in the limit state: with this alpha_psi the flow rule dilates by psi, whatever the cone.
+  // In plane strain at the limit state, this alpha_psi makes the flow rule dilate by psi, whichever cone is fitted.
   cone.alpha_psi = tan_psi / std::sqrt(9.0 + 12.0 * tan_psi * tan_psi);
   switch (fit) {
     case Soil::Cone::paper:

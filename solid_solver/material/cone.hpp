@@ -23,7 +23,7 @@ struct Cone {
   }
 };
 
-/// Constants of the cone, fitted to Coulomb's as `fit` says; cohesion in Pa, angles in degrees.
+/// Constants of the cone, fitted to Coulomb's constants by the method `fit`; cohesion in Pa, angles in degrees.
 Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soil::Cone fit = Soil::Cone::paper);
 
 /// Yield function f [Pa] of Eq. (31).
@@ -31,8 +31,8 @@ inline double yield_function(const Tensor& stress, const Cone& cone) {
   return cone.alpha * trace(stress) + root_j2(stress) - cone.k;
 }
 
-/// Cohesion [Pa] of one particle or of four at a degree of saturation, Eq. (36) as corrected: linear from the soil's
-/// `cohesion` at its initial saturation to `saturated_cohesion` at 1.
+/// Cohesion [Pa] of one particle or of four at a degree of saturation, Eq. (36) as corrected: linear between the soil's
+/// `cohesion` at its initial saturation and `saturated_cohesion` at saturation 1.
 template <class In>
 [[gnu::always_inline]] inline void cohesion_at(const Soil& soil, const typename In::Number& saturation,
                                                typename In::Number& cohesion) {
@@ -51,9 +51,9 @@ inline double cohesion_at(const Soil& soil, double saturation) {
   return cohesion;
 }
 
-/// The soil with its strength divided by a factor F: c / F, tan(phi) / F, tensile strength / F, and the keys that its
-/// material declares as strengths (own), before and after softening. The dilation angle is at most the reduced friction
-/// angle.
+/// The soil with its strength divided by a factor F: c / F, tan(phi) / F, tensile strength / F. The keys that its
+/// material declares as strengths (own) are divided as well, both before and after softening. The dilation angle is at
+/// most the reduced friction angle.
 Soil weakened(Soil soil, double factor, const std::vector<MaterialKey>& own = {});
 
 }  // namespace poretwin::solid

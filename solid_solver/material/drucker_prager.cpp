@@ -25,7 +25,7 @@ Cone DruckerPragerSoil::cone(const Condition& condition) const {
 
 namespace {
 
-// The functions below treat one particle or four (InOnes or InFours).
+// The functions below treat one particle (In = InOnes) or four at a time (InFours).
 
 /// The constants of Cone, for one particle or four.
 template <class In>
@@ -40,8 +40,8 @@ struct Cones {
   }
 };
 
-/// Returns a stress outside the cone to it, by its invariants I1 and sqrt(J2) (j); computes the equivalent deviatoric
-/// plastic strain (0 inside).
+/// Returns a stress outside the cone to the cone, given its invariants I1 (i1) and sqrt(J2) (j). Computes the
+/// equivalent deviatoric plastic strain (0 inside the cone).
 template <class In>
 [[gnu::always_inline]] inline void return_invariants(typename In::Number& i1, typename In::Number& j,
                                                      const Cones<In>& cone, const Moduli<In>& elasticity,
@@ -56,7 +56,7 @@ template <class In>
   min_in_place(new_j, j);
   const typename In::Mask onto_cone = (f > 0.0) & (along_potential <= limit);
   new_j = onto_cone ? j - shear * multiplier : new_j;
-  // Under pure tension no shear yields: the smallest positive number still marks that the soil yielded.
+  // In pure tension nothing yields in shear: the smallest positive number marks that the soil yielded.
   plastic = (j - new_j) / (shear * std::numbers::sqrt3);
   max_in_place(plastic, Number{} + std::numeric_limits<double>::min());
   const typename In::Mask yields = (f > 0.0) | (i1 > limit);
@@ -65,8 +65,8 @@ template <class In>
   i1 = yields ? (onto_cone ? along_potential : limit) : i1;
 }
 
-/// Elastic fraction t of an increment that leads from inside the cone to outside: |s + t ds| = radius + t change, from
-/// the products s.s (ss), s.ds (sd) and ds.ds (dd) of the deviator s and its increment ds.
+/// Elastic fraction t of an increment from inside the cone to outside: |s + t ds| = radius + t change, given the
+/// products s.s (ss), s.ds (sd) and ds.ds (dd) of the deviator s and its increment ds.
 template <class In>
 [[gnu::always_inline]] inline void elastic_share(const typename In::Number& ss, const typename In::Number& sd,
                                                  const typename In::Number& dd, const typename In::Number& radius,
@@ -81,8 +81,8 @@ template <class In>
   share = (((b < 0.0) | (c < 0.0)) & (share > 0.0) & (share < 1.0)) ? share : Number{};
 }
 
-/// Integral of dt / radius over the increment (t from 0 to 1), with the radius linear in t; infinite where it is not
-/// positive.
+/// Integral of dt / radius over the increment (t from 0 to 1), with a radius linear in t; infinite where the radius is
+/// not positive.
 template <class In>
 [[gnu::always_inline]] inline void over_radius(const typename In::Number& from, const typename In::Number& to,
                                                typename In::Number& integral) {
@@ -109,7 +109,7 @@ template <class In>
   using Number = typename In::Number;
   using std::numbers::sqrt2;
   const Number one = Number{} + 1.0;
-  // Deviator before, its elastic increment, and their products.
+  // The deviator at the start, its elastic increment, and their products.
   Number s[6], ds[6];
   const Number i1_before = stress[0] + stress[1] + stress[2], volumetric = strain[0] + strain[1] + strain[2];
   for (int d = 0; d < 6; ++d) {
@@ -126,7 +126,7 @@ template <class In>
   const Number trial = ss + 2.0 * sd + dd, i1_trial = i1_before + 3.0 * elasticity.bulk * volumetric;
   Number i1 = i1_trial, old_part = one, new_part = one;
   plastic = Number{};
-  // Clearly inside the cone, hence below its apex: a test without root and division.
+  // Outside unless clearly inside the cone, and so below its apex: a test without root and division.
   const Number room = cone.k - cone.alpha * i1_trial;
   const typename In::Mask outside =
       (room < 0.0) | (trial > 2.0 * room * room) | (i1_trial > 3.0 * cone.tensile_strength);
@@ -146,8 +146,8 @@ template <class In>
         (ss * trial - along_trial * along_trial > material::little_angle * material::little_angle * ss * trial) &
         (i1 < limit) & (j > 0.0);
     if (any(turns)) {
-      // Only the plastic part turns the deviator. `first` and `last`: radius of the cone at the start and at the
-      // elastic end.
+      // Only the plastic part of the increment turns the deviator. `first`, `last`: radius of the cone at the start and
+      // at the elastic end.
       const Number first = sqrt2 * (cone.k - cone.alpha * i1_before), last = sqrt2 * room;
       Number elastic, integral;
       elastic_share<In>(ss, sd, dd, first, last - first, elastic);
@@ -159,8 +159,8 @@ template <class In>
       min_in_place(cosine, one);
       Number sine = 1.0 - cosine * cosine;
       sqrt_in_place(sine);
-      // Krieg & Krieg (1977): the angle psi between deviator and increment follows d psi / dt = -(|ds| / radius) sin
-      // psi, hence tan(psi / 2) decays exponentially.
+      // Krieg & Krieg (1977): the angle psi between the deviator and its increment follows d psi / dt = -(|ds| /
+      // radius) sin psi, so that tan(psi / 2) decays exponentially.
       const Number start = first + elastic * (last - first), end = sqrt2 * j;
       over_radius<In>(start, end, integral);
       Number left = turns ? -(1.0 - elastic) * length * integral : Number{};
@@ -170,7 +170,7 @@ template <class In>
       left *= sine / half;
       const Number whole = 1.0 / (1.0 + left * left);
       const Number along = (1.0 - left * left) * whole, across = 2.0 * left * whole;
-      // In the unit vectors ds / length and, across it, ((s + elastic ds) / norm - cosine ds / length) / sine.
+      // Unit vectors: ds / length, and across it ((s + elastic ds) / norm - cosine ds / length) / sine.
       const Number tilt = sine > 1e-9 ? end * across / (sine * norm) : Number{};
       old_part = turns ? tilt : old_part;
       new_part = turns ? tilt * elastic + (end * along - tilt * norm * cosine) / length : new_part;

@@ -6,13 +6,13 @@
 
 namespace poretwin::solid {
 
-/// Adds the elastic stress of a strain increment and returns the stress to the cone; returns the equivalent deviatoric
-/// plastic strain. The invariants are exact where the deviator keeps its direction. Where it turns, its direction
-/// follows from the strain's in closed form (exact at psi = 0).
+/// Adds the elastic stress of a strain increment and returns the stress to the cone. The result is the equivalent
+/// deviatoric plastic strain. The invariants are exact where the deviator keeps its direction. Where it turns, its
+/// direction follows in closed form from the direction of the strain (exact at psi = 0).
 double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity);
 
-/// Returns a trial stress outside the cone to it, in one step of any size: along the potential, to the tension limit,
-/// or to the edge where both meet. Returns the equivalent deviatoric plastic strain (0 inside).
+/// Returns a trial stress outside the cone to the cone, in one step of any size: along the potential, to the tension
+/// limit, or to the edge where both meet. The result is the equivalent deviatoric plastic strain (0 inside the cone).
 double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity);
 
 /// Common base of the two integrations of the model: the cone in the soil's present condition.
@@ -28,7 +28,7 @@ class DruckerPragerSoil : public ConstitutiveModel {
  protected:
   PressureElasticity elasticity_;
   Soil soil_;
-  Cone dilating_, spent_;  ///< cones of unit cohesion, with dilation and without
+  Cone dilating_, spent_;  ///< cones of unit cohesion: with dilation, and without
 };
 
 class DruckerPrager final : public DruckerPragerSoil {

@@ -5,8 +5,8 @@
 
 namespace poretwin::solid {
 
-/// Eqs. (86), (87) as corrected, with one explicit Euler step per increment, followed by the treatment of tension
-/// cracking and by scaling-back of the stress (Bui et al. 2008). The error is of first order in the increment.
+/// Eqs. (86), (87) as corrected, with one explicit Euler step per increment. The treatment of tension cracking and the
+/// scaling-back of the stress (Bui et al. 2008) follow. The error is of first order in the increment.
 class DruckerPragerRate final : public DruckerPragerSoil {
  public:
   using ConstitutiveModel::advance;

@@ -47,13 +47,13 @@ double Element::excess_pore_pressure(const LaboratoryTest& test) const {
   return test.undrained ? stress_[held] - start_[held] : 0.0;
 }
 
-/// Four conditions on the increments of the strains xx, yy, zz and xy: strain . increment + stress . (new stress) =
-/// value.
+/// Four conditions on the increments of the strains xx, yy, zz and xy: strain . increment + stress . (stress after the
+/// increment) = value.
 struct Element::Control {
   Eigen::Matrix4d strain = Eigen::Matrix4d::Zero(), stress = Eigen::Matrix4d::Zero();
   Eigen::Vector4d value = Eigen::Vector4d::Zero();
 
-  /// Sets all conditions but the last, which controls the test.
+  /// Sets all conditions but the last, by which the test is controlled.
   Control(const LaboratoryTest& test, const Tensor& start) {
     int row = 0;
     const auto no_strain = [&](int component) { strain(row++, component) = 1.0; };
@@ -116,7 +116,7 @@ void Element::follow(const Control& control) {
     plastic = model_.advance(stress, increment, condition, state);
     return stress.head<4>();
   };
-  // Residuals of stress are divided by the constrained modulus, which makes them strains.
+  // Residuals of stress are divided by the constrained modulus, so that they compare with strains.
   const double modulus = model_.moduli(stress_, state_).constrained();
   const auto left = [&](const Eigen::Vector4d& strain, const Eigen::Vector4d& reached) -> Eigen::Vector4d {
     Eigen::Vector4d rest = control.strain * strain + control.stress * reached - control.value;
@@ -140,11 +140,11 @@ void Element::follow(const Control& control) {
       const Eigen::Vector4d moved = strain + probe * Eigen::Vector4d::Unit(c);
       slope.col(c) = (left(moved, attempt(moved)) - left(strain, here)) / probe;
     }
-    // On an edge of the yield surface lateral strains are not unique; the smallest are taken.
+    // On an edge of the yield surface, lateral strains are not unique: the smallest are taken.
     Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix4d> solver;
     solver.setThreshold(element::singular);
     const Eigen::Vector4d towards = solver.compute(slope).solve(-rest);
-    // The correction is shortened where it would increase the residual: at the corner where the soil begins to yield.
+    // The correction is shortened if it would increase the residual, as at the corner where the soil begins to yield.
     double share = 1.0;
     Eigen::Vector4d next;
     for (;; share *= 0.5) {

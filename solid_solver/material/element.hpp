@@ -8,16 +8,16 @@
 
 namespace poretwin::solid {
 
-/// A test: which stresses and strains are kept constant while the sample is compressed along y or sheared in the plane
-/// xy.
+/// A test: it keeps certain stresses and strains constant while the sample is compressed along y or sheared in the
+/// plane xy.
 struct LaboratoryTest {
   std::string_view name;     ///< name for --test
   std::string_view meaning;  ///< description in one line
-  bool shears;               ///< gamma_xy or s_xy is controlled, not the axial strain or stress
+  bool shears;               ///< gamma_xy or s_xy is controlled, instead of the axial strain or stress
   bool undrained;            ///< at constant volume
 };
 const std::vector<LaboratoryTest>& laboratory_tests();
-/// The test of this name. Throws CaseError where there is none.
+/// The test of this name. Throws CaseError where no test has the name.
 const LaboratoryTest& laboratory_test(std::string_view name);
 
 /// A soil sample. Stresses are effective, tension positive; strains are logarithmic.
@@ -25,10 +25,10 @@ class Element {
  public:
   Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress);
   /// Applies an increment `step` of the axial strain (tension positive) or of gamma_xy. Throws DivergedError where no
-  /// strain meets the conditions of the test.
+  /// strain satisfies the conditions of the test.
   void strain_by(const LaboratoryTest& test, double step);
   /// Strains the sample until the axial stress (in undrained tests s_yy - s_xx), or s_xy, is `target` [Pa]. Throws
-  /// DivergedError where the soil does not bear it.
+  /// DivergedError where the soil cannot bear this stress.
   void load_to(const LaboratoryTest& test, double target);
 
   [[nodiscard]] const Tensor& stress() const { return stress_; }

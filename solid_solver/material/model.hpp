@@ -24,8 +24,8 @@ struct Elasticity {
   }
   /// Constrained modulus M = K + 4 G / 3 [Pa].
   [[nodiscard]] double constrained() const { return bulk + 4.0 / 3.0 * shear; }
-  /// Lower estimate of the tangent constrained modulus [Pa] during yielding: without the shear part, but at least half
-  /// of M.
+  /// Lower estimate of the tangent constrained modulus [Pa] during yielding: the bulk modulus, without the shear part,
+  /// but at least half of M.
   [[nodiscard]] double yielding() const { return std::max(bulk, 0.5 * constrained()); }
   /// Adds the stress increment [Pa] of a strain increment.
   void add_stress(const double* strain, double* stress) const;
@@ -67,8 +67,8 @@ class PressureElasticity {
     const double times = std::pow(std::max(pressure, least_) / pressure_, exponent_);
     return {times * reference_.bulk, times * reference_.shear};
   }
-  /// The moduli for a strain increment that starts from a stress [Pa]: at the pressure in the middle of the increment,
-  /// as if it were elastic.
+  /// The moduli for a strain increment that starts from a stress [Pa]. They are those at the pressure in the middle of
+  /// the increment, computed as if the increment were elastic.
   template <class In>
   [[gnu::always_inline]] void over(const typename In::Number* stress, const typename In::Number* strain,
                                    Moduli<In>& moduli) const {
@@ -90,14 +90,14 @@ class PressureElasticity {
   double exponent_, pressure_, least_;
 };
 
-/// Thrown where a material found no stress for an increment: the message, and the index of the particle among those
-/// that were advanced together. It becomes a DivergedError that names the particle.
+/// Thrown where a material finds no stress for an increment. It contains the message and the index of the particle
+/// among those advanced together; the caller converts it into a DivergedError that names the particle.
 struct MaterialFailure {
   std::string what;
   std::size_t place = 0;
 };
 
-/// A variable of a material's state, described for output.
+/// A variable of a material's state, with its description for output.
 struct StateVariable {
   std::string name, unit, meaning;
 };
@@ -114,23 +114,23 @@ struct Four {
   Lanes strain[6];               ///< strain increment
   Lanes saturation, void_ratio;  ///< see Condition
   Lanes plastic;                 ///< result: the increment of equivalent deviatoric plastic strain
-  Quad* state = nullptr;         ///< the state_size() state variables, updated like the stress
+  Quad* state = nullptr;         ///< the state_size() state variables; updated together with the stress
 };
 
-/// Effective stress from strain increments. The caller rotates the stress (Jaumann rate). A particle's state is what
-/// its model stores besides the stress. It is kept with the particle, moves with it, and is saved and restored.
+/// Effective stress from strain increments. The caller rotates the stress (Jaumann rate). A particle's state consists
+/// of the variables that its model stores besides the stress. It moves with the particle, and is saved and restored.
 class ConstitutiveModel {
  public:
   ConstitutiveModel() = default;
   ConstitutiveModel(const ConstitutiveModel&) = delete;
   ConstitutiveModel& operator=(const ConstitutiveModel&) = delete;
   virtual ~ConstitutiveModel() = default;
-  /// Number of state variables per particle. The spans of states below may be longer; a model uses their first
+  /// Number of state variables per particle. The spans of states below may be longer. A model uses only their first
   /// state_size() numbers.
   [[nodiscard]] virtual std::size_t state_size() const { return 0; }
-  /// Descriptions of the first state variables. Further ones are not part of the output.
+  /// Descriptions of the first state variables. Variables without a description are not part of the output.
   [[nodiscard]] virtual std::vector<StateVariable> state_variables() const { return {}; }
-  /// Sets the state of soil that has not been strained since it has borne this effective stress [Pa].
+  /// Sets the initial state of soil under this effective stress [Pa], before any strain.
   virtual void initial(const Tensor& /*stress*/, std::span<double> /*state*/) const {}
   /// Advances `stress` [Pa] and `state` by a strain increment; returns the equivalent deviatoric plastic strain of the
   /// increment. Throws MaterialFailure where no stress is found.
@@ -139,26 +139,26 @@ class ConstitutiveModel {
   double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const {
     return advance(stress, strain, condition, {});
   }
-  /// Advances many particles; this implementation takes them one by one.
+  /// Advances many particles. This implementation advances them one by one.
   virtual void advance(std::span<Four> many) const;
-  /// Elastic moduli under this effective stress [Pa] and in this state: the stiffness that enters wave speeds, the
-  /// fluid's pressure solve and the search for equilibrium.
+  /// Elastic moduli under this effective stress [Pa] and in this state. This stiffness enters wave speeds, the fluid's
+  /// pressure solve and the search for equilibrium.
   [[nodiscard]] virtual Elasticity moduli(const Tensor& stress, std::span<const double> state) const = 0;
-  /// Elastic moduli of soil without any strain under this isotropic pressure [Pa].
+  /// Elastic moduli of soil before any strain, under this isotropic pressure [Pa].
   [[nodiscard]] Elasticity moduli_under(double pressure) const;
   [[nodiscard]] Elasticity initial_moduli() const { return moduli_under(0.0); }
-  /// The largest moduli in any state that the soil may reach up to this mean effective pressure [Pa]. Substeps are
-  /// chosen for the waves of this stiffness.
+  /// The largest moduli in any state that the soil may reach up to this mean effective pressure [Pa]. The length of
+  /// substeps is chosen for waves of this stiffness.
   [[nodiscard]] virtual Elasticity stiffest(double pressure) const { return moduli_under(pressure); }
 };
 
 using MaterialFactory = std::unique_ptr<ConstitutiveModel> (*)(const Soil&);
 
-/// Adds a row to the table of materials, for a model that only one program has. To be called before the program reads a
-/// case.
+/// Adds a row to the table of materials, for a model that exists in only one program. To be called before the program
+/// reads a case.
 bool add_material(Material row, MaterialFactory make);
 
-/// The constitutive model with this name, for one soil. Throws CaseError where there is none.
+/// The constitutive model with this name, for one soil. Throws CaseError where no model has the name.
 std::unique_ptr<ConstitutiveModel> make_constitutive(MaterialName model, const Soil& soil);
 
 }  // namespace poretwin::solid

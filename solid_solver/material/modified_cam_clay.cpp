@@ -11,7 +11,7 @@
 namespace poretwin::solid {
 namespace {
 
-// The functions below treat one particle or four (InOnes or InFours).
+// The functions below treat one particle (In = InOnes) or four at a time (InFours).
 
 struct Constants {
   double by_swelling, by_hardening;  ///< 1 / kappa, 1 / (lambda - kappa)
@@ -22,7 +22,7 @@ struct Constants {
 template <class In>
 struct Clay {
   using Number = typename In::Number;
-  Number p, pc, v;  ///< Pa, mean pressure; Pa, preconsolidation pressure; 1, specific volume
+  Number p, pc, v;  ///< mean pressure [Pa]; preconsolidation pressure [Pa]; specific volume [1]
   Number s[6];      ///< Pa, deviator
   Number plastic;   ///< accumulated equivalent deviatoric plastic strain of the increment
 };
@@ -37,15 +37,15 @@ template <class In>
 /// One implicit step for a volumetric compression and a deviatoric strain e. The unknowns are the multiplier m and the
 /// plastic compression d in
 ///   d = m M^2 (2 p - pc), q^2 = M^2 p (pc - p), s = (s0 + 2 G e) / (1 + 6 G m),
-/// with p(d) and pc(d) by the trapezoidal rule of their laws, and G at the mean p. Newton's iteration begins at the
-/// elastic trial; from there the second equation decreases convexly in m. Returns false where it did not converge.
+/// with p(d) and pc(d) from the trapezoidal rule for their laws, and G at the mean p. Newton's iteration begins at the
+/// elastic trial, from where the second equation decreases convexly in m. Returns false if it did not converge.
 template <class In>
 [[gnu::always_inline]] inline bool step(const Constants& k, const typename In::Number& compression,
                                         const typename In::Number* e, Clay<In>& clay) {
   using Number = typename In::Number;
   using Mask = typename In::Mask;
   const Number one = Number{} + 1.0, zero{};
-  const Number v = clay.v * (1.0 - 0.5 * compression);  // in the middle of the step
+  const Number v = clay.v * (1.0 - 0.5 * compression);  // at the middle of the step
   const Number a = v * k.by_swelling, b = v * k.by_hardening, m2 = zero + k.slope * k.slope;
   const Mask high = clay.p >= k.least;
   Number ss, se, ee;
@@ -74,7 +74,7 @@ template <class In>
       if (!any(yields)) break;
     }
     const Number flow = m2 * (2.0 * p - pc), r = plastic - multiplier * flow;
-    // Ends by the residual of the yield surface, relative to pc^2, and by that of the flow rule.
+    // Ends by the residuals of the yield surface, relative to pc^2, and of the flow rule.
     const Number most = cam_clay::reached * clay.pc * clay.pc;
     const Mask open = yields & ((f * f > most * most) | (r * r > cam_clay::reached * cam_clay::reached));
     if (!any(open)) break;
@@ -106,7 +106,7 @@ template <class In>
   return true;
 }
 
-/// Divides the increment into as many steps as its size requires, times `finer`. Returns false where a step did not
+/// Divides the increment into `finer` times as many steps as its size requires. Returns false if a step did not
 /// converge.
 template <class In>
 [[gnu::always_inline]] inline bool follow(const Constants& k, const typename In::Number* strain,
@@ -141,7 +141,7 @@ template <class In>
   return true;
 }
 
-/// The same, with finer and finer steps until all converge.
+/// Follows the increment, with more and more steps until all of them converge.
 template <class In>
 [[gnu::always_inline]] inline void follow(const Constants& k, const typename In::Number* strain,
                                           typename In::Number* stress, Clay<In>& clay) {

@@ -8,7 +8,7 @@ namespace poretwin::solid {
 /// Yield surface f = q^2 - M^2 p (pc - p), associated flow. Hardening: d pc / pc = v / (lambda - kappa) times the
 /// plastic compression. Elasticity: bulk modulus v p / kappa, constant Poisson's ratio. p, q, pc: mean pressure,
 /// deviator and preconsolidation pressure [Pa], compression positive; v = 1 + e. Below the soil's `least_pressure` the
-/// moduli decrease no further, and pc does not fall below it. State variables: pc [Pa], v.
+/// moduli do not decrease further; pc is at least `least_pressure`. State variables: pc [Pa], v.
 class ModifiedCamClay final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
@@ -29,8 +29,8 @@ class ModifiedCamClay final : public ConstitutiveModel {
  private:
   double lambda_, kappa_, slope_;    ///< lambda, kappa, M
   double shear_ratio_;               ///< G / K
-  double specific_volume_;           ///< v at the start
-  double ratio_, preconsolidation_;  ///< overconsolidation ratio; pc [Pa], 0: from the ratio
+  double specific_volume_;           ///< initial v
+  double ratio_, preconsolidation_;  ///< overconsolidation ratio; pc [Pa], 0: computed from the ratio
   double least_;                     ///< Pa, least pressure
 };
 

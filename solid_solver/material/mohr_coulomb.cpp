@@ -7,21 +7,21 @@
 namespace poretwin::solid {
 namespace {
 
-// The functions below treat one particle or four (InOnes or InFours).
+// The functions below treat one particle (In = InOnes) or four at a time (InFours).
 
-/// The yield surface f = up s1 - down s3 - k of one particle or four, with the plastic potential and the elastic
-/// moduli.
+/// The yield surface f = up s1 - down s3 - k, with the plastic potential and the elastic moduli, for one particle or
+/// four.
 template <class In>
 struct Surface {
   using Number = typename In::Number;
   Number up, down;            ///< 1 + sin(phi), 1 - sin(phi)
   Number k;                   ///< Pa, 2 c cos(phi)
   Number flow_up, flow_down;  ///< 1 + sin(psi), 1 - sin(psi)
-  Number limit;               ///< Pa, largest principal stress
+  Number limit;               ///< largest principal stress possible [Pa]
   Moduli<In> moduli;
 };
 
-/// Sets the limit of tension: the apex, or the tensile strength where that is lower.
+/// Sets the limit of tension: the apex, or the tensile strength if that is lower.
 template <class In>
 [[gnu::always_inline]] inline void limit_tension(double tensile_strength, Surface<In>& surface) {
   using Number = typename In::Number;
@@ -30,7 +30,7 @@ template <class In>
   surface.limit = (friction > 0.0) & (apex < surface.limit) ? apex : surface.limit;
 }
 
-/// Returns principal stresses t[0] >= t[1] >= t[2] to the surface; computes the equivalent deviatoric plastic strain (0
+/// Returns principal stresses t[0] >= t[1] >= t[2] to the surface. Computes the equivalent deviatoric plastic strain (0
 /// inside).
 template <class In>
 [[gnu::always_inline]] inline void return_principal(const Surface<In>& y, typename In::Number* t,
@@ -38,8 +38,8 @@ template <class In>
   using Number = typename In::Number;
   using Mask = typename In::Mask;
   const Number two_g = 2.0 * y.moduli.shear, lame = y.moduli.bulk - two_g / 3.0;
-  // Decrease of s1, s2, s3 per unit of the face's multiplier. off_12, off_23: mean decrease of both where two faces
-  // meet.
+  // Decrease of s1, s2, s3 per unit of the face's multiplier. off_12, off_23: mean decrease of the two stresses that
+  // are equal where two faces meet.
   const Number off_2 = lame * (y.flow_up - y.flow_down), off_1 = off_2 + two_g * y.flow_up,
                off_3 = off_2 - two_g * y.flow_down, off_12 = off_2 + y.moduli.shear * y.flow_up,
                off_23 = off_2 - y.moduli.shear * y.flow_down;
@@ -59,7 +59,7 @@ template <class In>
   s1 = upper ? upper_pair : lower ? t[0] - on_lower * off_1 : s1;
   s2 = upper ? upper_pair : lower ? lower_pair : s2;
   s3 = upper ? t[2] - on_upper * off_3 : lower ? lower_pair : s3;
-  // Tension: one principal stress lies at the limit, or two or all three, where this is possible without shear failure.
+  // Tension: one, two or three principal stresses are at the limit, where this is possible without shear failure.
   const Mask cut = s1 > y.limit;
   if (any(cut)) {
     const Number stiff = lame + two_g, over = t[0] - y.limit, one = lame * over / stiff;
@@ -67,7 +67,7 @@ template <class In>
     Number middle = t[1] - one;
     min_in_place(middle, y.limit);
     min_in_place(least, y.limit);
-    // Otherwise the face yields as well: s1 and s3 lie where it meets the limit.
+    // Otherwise the face yields as well: s1 and s3 lie where the face meets the limit.
     const Number met = (y.up * y.limit - y.k) / y.down, short_of = t[2] - met;
     const Number determinant = off_1 * lame - off_3 * stiff;
     const Number by_face = (over * lame - short_of * stiff) / determinant,
@@ -87,7 +87,7 @@ template <class In>
   plastic = square / 1.5;
   sqrt_in_place(plastic);
   plastic /= two_g;
-  // Under pure tension no shear yields: the smallest positive number still marks that the soil yielded.
+  // In pure tension nothing yields in shear: the smallest positive number marks that the soil yielded.
   max_in_place(plastic, Number{} + std::numeric_limits<double>::min());
   plastic = yields ? plastic : Number{};
   t[0] = yields ? s1 : t[0];
@@ -95,8 +95,8 @@ template <class In>
   t[2] = yields ? s3 : t[2];
 }
 
-/// A symmetric tensor with one known principal axis: its value there, and in the plane across it the mean of the two
-/// normal components, half of their difference, and the shear component.
+/// A symmetric tensor with one known principal axis: the value on that axis; and in the plane across it the mean of the
+/// two normal components, half of their difference, and the shear component.
 template <class In>
 struct Across {
   typename In::Number axis, mean, half, shear;
@@ -121,8 +121,8 @@ template <class In>
   stress.shear *= kept;
 }
 
-/// An orthonormal frame in which w is a principal axis of a deviator, the one whose principal value is farthest from
-/// the other two. That value is a single root of the cubic equation.
+/// An orthonormal frame in which w is the principal axis of a deviator whose principal value is farthest from the other
+/// two values. This value is a single root of the cubic equation.
 template <class In>
 struct Frame {
   typename In::Number u[3], v[3], w[3];
@@ -147,15 +147,15 @@ template <class In>
   const Number xx = (stress[0] - mean) * scale, yy = (stress[1] - mean) * scale, zz = (stress[2] - mean) * scale,
                xy = stress[3] * scale, yz = stress[4] * scale, xz = stress[5] * scale;
   const Number third = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  // r^3 - r = |J3| for a deviator with J2 = 1. The root lies between 1 and 2/sqrt(3); three steps of Newton find it to
-  // rounding.
+  // r^3 - r = |J3| for a deviator with J2 = 1. The root lies between 1 and 2/sqrt(3); three steps of Newton's method
+  // find it to rounding.
   const Mask turned = third < 0.0;
   const Number j3 = turned ? -third : third;
   Number root = 1.0 + 0.4 * j3;
   for (int k = 0; k < 3; ++k) root = (2.0 * root * root * root + j3) / (3.0 * root * root - 1.0);
   root = turned ? -root : root;
   const Number rows[3][3] = {{xx - root, xy, xz}, {xy, yy - root, yz}, {xz, yz, zz - root}};
-  // The rows of a matrix that maps w to zero: w is orthogonal to them.
+  // The rows of a matrix that maps w to zero: w is orthogonal to each of them.
   Number best{};
   for (int k = 0; k < 3; ++k) {
     Number axis[3];
@@ -188,14 +188,14 @@ template <class In>
             tensor[5] * (a[0] * b[2] + a[2] * b[0]);
 }
 
-/// Adds the elastic stress of a strain increment and returns it to the surface.
+/// Adds the elastic stress of a strain increment, and returns the stress to the surface.
 template <class In>
 [[gnu::always_inline]] inline void return_to(const Surface<In>& surface, const typename In::Number* strain,
                                              typename In::Number* stress, typename In::Number& plastic) {
   using Number = typename In::Number;
   add_stress<In>(surface.moduli, strain, stress);
   plastic = Number{};
-  // A quick test: inside the cone that touches the six faces from within, and below a cone under the limit of tension.
+  // A quick test: inside the cone inscribed in the six faces, and below a cone under the limit of tension.
   const Number mean = (stress[0] + stress[1] + stress[2]) / 3.0, x = stress[0] - mean, y = stress[1] - mean,
                z = stress[2] - mean;
   const Number j2 =
@@ -237,7 +237,7 @@ template <class In>
   }
 }
 
-/// sin(x) for 0 <= x <= pi / 2, to 1e-11, without a library call, for four particles at a time.
+/// sin(x) for 0 <= x <= pi / 2, with an error of 1e-11, without a library call, for four particles at a time.
 template <class In>
 [[gnu::always_inline]] inline void sine(const typename In::Number& x, typename In::Number& result) {
   const typename In::Number square = x * x;

@@ -7,12 +7,12 @@
 namespace poretwin::solid {
 
 /// Yield surface f = (s1 - s3) + (s1 + s3) sin(phi) - 2 c cos(phi) = 0 with principal stresses s1 >= s2 >= s3, tension
-/// positive; the potential has psi in place of phi. Where s1 = s2 or s2 = s3, two faces yield (Koiter 1953). No
-/// principal stress exceeds the tensile strength or the apex, c / tan(phi). At that limit the flow is associated with
-/// it (Rankine), so that soil without dilation can reach its apex, too.
+/// positive. The potential has psi in place of phi. Where s1 = s2 or s2 = s3, two faces yield (Koiter 1953). No
+/// principal stress exceeds the tensile strength or the apex, c / tan(phi). At that limit the flow is associated
+/// (Rankine), so that soil without dilation can also reach its apex.
 ///
-/// With a residual strength c, phi and psi decrease linearly with the plastic shear strain, up to the strain
-/// softening_slip / band_width. That strain is the state variable.
+/// If the soil has a residual strength, c, phi and psi decrease linearly with the plastic shear strain, up to the
+/// strain softening_slip / band_width. The plastic shear strain is the state variable.
 class MohrCoulomb final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
@@ -27,7 +27,7 @@ class MohrCoulomb final : public ConstitutiveModel {
   }
 
  private:
-  /// A value that changes linearly from `from` to `from + by`.
+  /// A value that falls linearly from `from` to `from + by`.
   struct Fall {
     double from, by;
   };
@@ -41,8 +41,8 @@ class MohrCoulomb final : public ConstitutiveModel {
   Fall cohesion_;                       ///< relative to the cohesion at the present saturation
   double sin_phi_, cos_phi_, sin_psi_;  ///< before any softening
   bool softens_;
-  double residual_strain_;     ///< plastic shear strain at which only the residual strength is left
-  double tensile_strength_;    ///< Pa, infinite where the soil has no tension cut-off of its own
+  double residual_strain_;     ///< plastic shear strain at which the strength is the residual strength
+  double tensile_strength_;    ///< Pa, infinite where the soil has no separate tension cut-off
   double largest_void_ratio_;  ///< void ratio at which dilation ends
 };
 

@@ -1,4 +1,4 @@
-// Symmetric second-order tensors in six components, the same in 2D (plane strain, zz carried along) and 3D.
+// Symmetric second-order tensors in six components, in the same form in 2D (plane strain, zz is computed) and 3D.
 // Compression is negative.
 #pragma once
 
@@ -51,7 +51,7 @@ Mat<D> matrix_of(const Tensor& t) {
   return m;
 }
 
-/// Writes the in-plane block.
+/// Sets the in-plane block.
 template <int D>
 void set_matrix(const Mat<D>& m, Tensor& t) {
   t[0] = m(0, 0);
@@ -70,7 +70,7 @@ constexpr int component(int a, int b) {
   return places[a][b];
 }
 
-/// Symmetric part of a velocity gradient, given by columns, L_ab = d v_a / d x_b (Eq. (88), with both derivatives); of
+/// Symmetric part of a velocity gradient L_ab = d v_a / d x_b, given by columns (Eq. (88), with both derivatives), of
 /// one particle or of four (Number: double or Lanes).
 template <int D, class Number>
 [[gnu::always_inline]] inline void strain_rate(const Number* gradient, Number* rate) {
@@ -88,7 +88,7 @@ Tensor strain_rate(const Mat<D>& gradient) {
   return t;
 }
 
-/// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89); of one particle or of
+/// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89), of one particle or of
 /// four.
 template <int D, class Number>
 [[gnu::always_inline]] inline void spin_rate(const Number* stress, const Number* gradient, Number* rate) {

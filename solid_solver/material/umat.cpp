@@ -28,7 +28,7 @@ using Function = void (*)(double* stress, double* statev, double* ddsdde, double
 /// Abaqus orders components 11 22 33 12 13 23, Tensor xx yy zz xy yz xz.
 constexpr std::array<Eigen::Index, 6> place{0, 1, 2, 3, 5, 4};
 
-/// The library's function, or the reason why there is none. Libraries stay open until the program ends.
+/// Finds the library's function, or the reason why there is none. Libraries remain open until the program ends.
 std::pair<void*, std::string> find_function(const std::string& library) {
   const std::string path = std::filesystem::absolute(library).string();
   void* const opened = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -45,7 +45,7 @@ std::pair<void*, std::string> find_function(const std::string& library) {
 
 struct Umat::Answer {
   Tensor stress;
-  double stiffness;  ///< Pa, largest diagonal entry of DDSDDE for normal components
+  double stiffness;  ///< largest diagonal entry of DDSDDE for normal components [Pa]
 };
 
 Umat::Umat(const Soil& soil)
@@ -111,7 +111,7 @@ double Umat::advance(Tensor& stress, const Tensor& strain, const Condition& /*co
         "{}: the stress or state is not finite after the strain increment {:.6g} (xx yy zz xy yz xz, shear as tensors "
         "have it), from the stress {:.6g} Pa and the state {:.6g}",
         library_, fmt::join(strain, " "), fmt::join(from, " "), fmt::join(before, " "))};
-  // The plastic strain is the part that is not elastic with the soil's moduli.
+  // The plastic strain is the part of the strain that is not elastic with the soil's moduli.
   Tensor elastic = Tensor::Zero();
   elasticity_.add_stress(strain.data(), elastic.data());
   const double plastic = root_j2(elastic - (stress - from)) / (elasticity_.shear * std::sqrt(3.0));

@@ -5,8 +5,8 @@
 
 namespace poretwin::solid {
 
-/// State: the library's own variables, then the total strain that is passed to it. The moduli are those that the case
-/// gives for the soil; the model must never be stiffer.
+/// State: the library's own variables, then the total strain that the library gets. The moduli are those that the case
+/// gives for the soil. The model must never be stiffer than these.
 class Umat final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
@@ -19,8 +19,8 @@ class Umat final : public ConstitutiveModel {
     return elasticity_;
   }
 
-  /// Reports a library that is missing or lacks the function, and one whose response to zero strain is not finite or is
-  /// stiffer than the elastic moduli that the case gives for the soil.
+  /// Reports a library that is missing or lacks the function, and a library whose response to zero strain is not finite
+  /// or is stiffer than the elastic moduli that the case gives for the soil.
   static void judge(const Soil& soil, const Material::Complain& complain);
 
  private:

@@ -3,30 +3,30 @@
 
 namespace poretwin::solid::exchange {
 
-/// Ratio of a particle's coverage by water to its coverage by soil from which on it counts as saturated. It is below 1
-/// because the coverage (sum V W) of disordered points scatters by some percent.
+/// A particle counts as saturated where its coverage by water, over its coverage by soil, is at least this value. The
+/// value is below 1 because the coverage (sum V W) of disordered points scatters by some percent.
 /// Unit: 1. Test: Saturation.WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings.
 inline constexpr double full_saturation = 0.95;
-/// Fraction of soil that the fluid reports at a point (soil_fraction), below which the soil there does not track the
-/// motion that the fluid predicts.
+/// The soil at a point tracks the motion that the fluid predicts only where the fraction of soil that the fluid reports
+/// there (soil_fraction) exceeds this value.
 /// Unit: 1. Test: none known.
 inline constexpr double least_seen = 1e-6;
 
-/// Constrained modulus that the soil reports in motion, over the elastic one. The water's prediction resists every
-/// deformation with it, also shear at constant volume, which elastic soil resists with its shear modulus (0.29 of the
-/// constrained one at a Poisson's ratio of 0.3) and yielding soil hardly. A prediction that is more than twice too stiff
-/// overshoots in every window: with 0.6 the pressure in yielding soil beside a column of water goes back and forth by
-/// 30 kPa, with 0.5 shear waves in elastic soil grow. One that is too soft needs some more windows to follow the soil.
+/// Constrained modulus that the soil reports in motion, over the elastic modulus. The water's prediction resists every
+/// deformation with this modulus, also shear at constant volume. Elastic soil resists such shear with its shear modulus
+/// (0.29 of the constrained one at a Poisson's ratio of 0.3), and yielding soil hardly resists it. A prediction more
+/// than twice too stiff overshoots in every window: with 0.6 the pressure in yielding soil beside a column of water
+/// alternates by 30 kPa, with 0.5 shear waves in elastic soil grow. A too soft one follows the soil some windows later.
 /// Unit: 1. Test: Submerged.PressureUnderSoilThatFlowsDoesNotAlternate (untried).
 inline constexpr double modulus_in_motion = 0.3;
 
-/// Length of the surface vector (surface_vectors()) times the spacing from which on a particle counts as lying at a
-/// free surface. It is 1 in the first row and some hundredths at disordered points inside the soil.
-/// Unit: over the spacing. Test: none known.
+/// A particle counts as lying at a free surface where the length of its surface vector (surface_vectors()) times the
+/// spacing is at least this: it is of order 1 in the first row, some hundredths at disordered points inside the soil.
+/// Unit: 1. Test: none known.
 inline constexpr double surface = 0.02;
-/// Length of the surface vector times the spacing from which on a particle counts as in the first row at a free
-/// surface. On a lattice it is 1.47 in the first row, 0.44 to 0.46 in the second.
-/// Unit: over the spacing. Test: FieldWithSoil.BearsASuddenLoadWhollyInSpace.
+/// A particle counts as in the first row at a free surface where the length of its surface vector times the spacing is
+/// at least this. On a lattice this product is 1.47 in the first row, 0.44 to 0.46 in the second.
+/// Unit: 1. Test: FieldWithSoil.BearsASuddenLoadWhollyInSpace.
 inline constexpr double first_row = 0.8;
 
 }  // namespace poretwin::solid::exchange

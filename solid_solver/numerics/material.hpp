@@ -3,11 +3,11 @@
 
 namespace poretwin::solid::material {
 
-/// Relative difference of two numbers above which their logarithmic mean is evaluated by its formula. Below it the
-/// arithmetic mean is used, which is as exact there.
+/// The logarithmic mean of two numbers is evaluated by its formula where their relative difference exceeds this value.
+/// Otherwise the arithmetic mean is used, which is as exact there.
 /// Unit: 1. Test: none known.
 inline constexpr double logarithmic_from = 1e-4;
-/// Angle by which a trial stress turns the deviator, up to which the deviator counts as not turned.
+/// The deviator counts as not turned where a trial stress turns it by no more than this angle.
 /// Unit: rad. Test: none known.
 inline constexpr double little_angle = 0.005;
 
@@ -15,22 +15,22 @@ inline constexpr double little_angle = 0.005;
 
 namespace poretwin::solid::cam_clay {
 
-/// Largest elastic change of the pressure, or of the deviator over the pressure, in one implicit step of Cam-Clay.
-/// Longer increments are divided: the error of a step falls with the square of the pressure's change and linearly with
-/// the deviator's.
+/// Largest elastic change of the pressure in one implicit step of Cam-Clay, and largest change of the deviator over the
+/// pressure. Longer increments are divided: the error of a step falls with the square of the pressure's change and
+/// linearly with the deviator's.
 /// Unit: the pressure. Test: CamClay.LargeStepsEndWhereSmallOnesDo (untried).
 inline constexpr double longest_step = 0.05;
-/// Largest number of steps into which an increment is divided. Soil that still stands needs fewer.
+/// Largest number of steps into which an increment is divided. Soil that has not failed needs fewer steps.
 /// Unit: steps. Test: none known (a guard).
 inline constexpr double most_steps = 1e5;
-/// Residual at which Newton's iteration ends: of the yield function over pc^2 (pc: preconsolidation pressure), and of
+/// Newton's iteration ends at this residual: of the yield function over pc^2 (pc: preconsolidation pressure), and of
 /// the plastic compression.
 /// Unit: 1. Test: CamClay.FollowsTheTables (untried).
 inline constexpr double reached = 1e-11;
-/// Rounds of Newton's iteration after which a step is divided. 4 or 5 rounds are usual.
+/// A step is divided after this number of rounds of Newton's iteration. It usually needs 4 or 5 rounds.
 /// Unit: rounds. Test: none known (time, not results).
 inline constexpr int rounds = 15;
-/// Factor by which steps may be refined before the search is given up.
+/// Largest factor by which the steps are refined before the search is given up.
 /// Unit: 1. Test: none known (a guard).
 inline constexpr double finest = 256.0;
 
@@ -38,20 +38,20 @@ inline constexpr double finest = 256.0;
 
 namespace poretwin::solid::element {
 
-/// Accepted residual of a test's conditions on stress and strain at the end of a step, over the residual at its
-/// beginning. Residuals of stress are divided by the constrained modulus.
+/// Accepted residual of the conditions of an element test on stress and strain at the end of a step, over the residual
+/// at its beginning. Residuals of stress are divided by the constrained modulus.
 /// Unit: 1. Test: none known.
 inline constexpr double reached = 1e-10;
-/// Change of the strain by which the tangent is found numerically, over the strain that is sought.
+/// Change of the strain with which the tangent is found by differences, over the strain that is sought.
 /// Unit: 1. Test: none known (time, not results).
 inline constexpr double probe = 1e-4;
-/// Fraction of the largest pivot below which a direction of strain counts as without effect on the conditions.
+/// A direction of strain counts as without effect on the conditions where its pivot, over the largest, is below this.
 /// Unit: 1. Test: Element.CompressionEndsAtCoulombsStrengthAndDilatesByTheFlowRule (untried).
 inline constexpr double singular = 1e-6;
 /// Largest number of rounds of Newton's iteration in one step.
 /// Unit: rounds. Test: Element.SaysWhereTheSoilBearsNoMore (untried).
 inline constexpr int rounds = 60;
-/// Least fraction of a correction that is tried.
+/// Least fraction of a correction of Newton's iteration that is tried.
 /// Unit: 1. Test: none known.
 inline constexpr double least_share = 0.01;
 

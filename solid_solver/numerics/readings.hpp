@@ -1,16 +1,16 @@
 // Chosen numbers of the solid's gauges. What an entry needs: CONTRIBUTING.md.
-// (untried) behind a test: not yet seen to fail when the number is halved or doubled.
+// (untried) behind a test's name: the test has not yet been seen to fail when the number is halved or doubled.
 #pragma once
 
 namespace poretwin::solid::readings {
 
-/// Determinant of a fit's scaled moment matrix below which there are too few neighbours to fit a slope.
+/// With a determinant of the scaled moment matrix below this, a particle has too few neighbours to fit a slope.
 /// Unit: 1. Test: none known.
 inline constexpr double least_determinant = 1e-6;
-/// Coverage by the kernel (sum V W) from which on a particle counts as inside a deposit.
+/// A particle counts as inside a deposit where its coverage by the kernel (sum V W) is at least this value.
 /// Unit: 1. Test: none known.
 inline constexpr double inside_cover = 0.8;
-/// Largest distance between a particle inside a deposit and the centre of its neighbours.
+/// A particle inside a deposit lies no farther than this from the centre of its neighbours.
 /// Unit: h. Test: none known.
 inline constexpr double inside_centre = 0.1;
 /// Step in which fronts and surfaces are searched for.

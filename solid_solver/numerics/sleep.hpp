@@ -1,5 +1,5 @@
 // Chosen numbers of soil that counts as at rest. What an entry needs: CONTRIBUTING.md.
-// (untried) behind a test: not yet seen to fail when the number is halved or doubled.
+// (untried) behind a test's name: the test has not yet been seen to fail when the number is halved or doubled.
 // Unit "travel times of a wave": the time in which an elastic wave crosses the soil's height.
 #pragma once
 
@@ -8,14 +8,14 @@ namespace poretwin::solid::sleep {
 /// Departure from rest (docs/theory/equilibrium.md) above which a particle counts as moving.
 /// Unit: the reference acceleration. Test: none known.
 inline constexpr double restless = 3e-3;
-/// Fraction of the mass that may move while the soil as a whole counts as at rest: grains that ravel or creep at a
-/// surface.
+/// Fraction of the mass that may move while the soil as a whole counts as at rest. Such mass is grains that ravel or
+/// creep at a surface.
 /// Unit: 1. Test: none known.
 inline constexpr double local_share = 0.05;
-/// Change of the degree of saturation that ends a rest, in soil whose cohesion depends on it.
+/// A change of the degree of saturation by more than this ends the rest of soil whose cohesion depends on saturation.
 /// Unit: 1. Test: Regions.WakeForWater (untried).
 inline constexpr double softening = 0.01;
-/// Departure from rest (rms) below which waves are damped in soil that is computed without water.
+/// Waves are damped in soil that is computed without water where the departure from rest (rms) is below this value.
 /// Unit: `wake_above` of the case. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
 inline constexpr double damped_below = 10.0;
 
@@ -31,7 +31,7 @@ inline constexpr double asleep_after = 12.0;
 /// Time between two checks for soil that may fall asleep.
 /// Unit: travel times of a wave. Test: none known.
 inline constexpr double between_checks = 1.0;
-/// Margin of soil that stays awake around soil that is not calm.
+/// Width of the margin of soil that stays awake around soil that is not calm.
 /// Unit: ranges of the pair lists. Test: Regions.FeelAllTheirNeighbours (untried).
 inline constexpr double margin = 2.0;
 

@@ -10,8 +10,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Wendland C2 kernel in one dimension less than the soil's, for sums over soil that lies one above the other
-/// [1/m^(D-1)].
+/// Wendland C2 kernel in one dimension less than the soil's [1/m^(D-1)].
+/// It serves for sums over all soil on a vertical line.
 template <int D>
 double flat_kernel(double r, double h) {
   constexpr double pi = 3.14159265358979;
@@ -21,7 +21,7 @@ double flat_kernel(double r, double h) {
   return (D == 2 ? 0.75 / h : 7.0 / (4.0 * pi * h * h)) * u2 * u2 * (2.0 * q + 1.0);
 }
 
-/// Thickness [m] of the soil, packed as at the start, at the places x, x - step, x - 2 step, ...
+/// Thickness [m] that the soil would have if packed as at the start, at the places x, x - step, x - 2 step, ...
 template <int D>
 ScalarArray thicknesses(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, const Vec<D>& step,
                         std::size_t n_places) {
@@ -65,8 +65,8 @@ std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state,
   return pieces;
 }
 
-/// Coverage by the particles that see a place or its images past thin walls: a particle sees an image of the place along
-/// the line along which the place sees the particle's image.
+/// Coverage of a place by the particles that see it, or one of its images, past thin walls. (A particle sees an image
+/// of the place along the same line as the place sees the image of the particle.)
 template <int D>
 double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const Vec<D>& place) {
   const auto& p = state.particles;
@@ -90,7 +90,7 @@ double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const V
   return sum;
 }
 
-/// Which particles lie inside the soil (1 or 0), judged by kernel sums over their neighbours and themselves.
+/// Whether each particle lies inside the soil (1 or 0), by kernel sums over its neighbours and itself.
 template <int D>
 std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length;

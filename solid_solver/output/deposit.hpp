@@ -6,14 +6,14 @@
 namespace poretwin::solid {
 
 /// Distance [m] of the soil's front from `from` along the line to `to`: the farthest place where the soil is at least
-/// `thickness` [m] thick, packed as at the start and measured along gravity. With a thickness of 0 it is the position
-/// of the outermost particle. 0 if there is no such place.
+/// `thickness` [m] thick. The thickness is measured along gravity, for soil packed as it is initially. With a thickness
+/// of 0 the front is the position of the outermost particle. 0 if no such place exists.
 template <int D>
 double front_position(const Setup<D>& setup, const State<D>& state, const Vec<D>& from, const Vec<D>& to,
                       double thickness);
 
-/// Height [m] of the soil's surface above a point: the highest place where half of the kernel lies in soil; NaN if
-/// there is none.
+/// Height [m] of the soil's surface above a point: the highest place where half of the kernel lies in soil; NaN if no
+/// such place exists.
 template <int D>
 double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>& x);
 

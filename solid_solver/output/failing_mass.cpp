@@ -10,7 +10,7 @@ std::optional<FailingMass<D>> failing_mass(const Setup<D>& setup, const State<D>
                                            const VecArray<D>& displacement) {
   const Particles<D>& p = state.particles;
   const Vec<D> up = upwards(setup);
-  // The sides are told apart by the level direction in which the farthest particle moves.
+  // There are two sides: soil that moves in the level direction of the farthest displacement, and soil against it.
   const auto farthest = std::ranges::max_element(displacement, {}, [](const Vec<D>& u) { return u.norm(); });
   if (farthest == displacement.end() || !(farthest->norm() > 0.0)) return {};
   const Vec<D> level = *farthest - up.dot(*farthest) * up;

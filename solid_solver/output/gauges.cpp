@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<std::string_view, 6> tensor_components{"xx", "yy", "zz", "xy", "yz", "xz"};
 constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
 
-/// Index of the component that follows `prefix` in `quantity`; empty if there is none.
+/// Index of the component named after `prefix` in `quantity`; empty if there is no such name.
 template <std::size_t N>
 std::optional<int> component(std::string_view quantity, std::string_view prefix,
                              const std::array<std::string_view, N>& names) {
@@ -36,8 +36,8 @@ bool within(const Gauge& gauge, const Vec<D>& x) {
   return !gauge.region || contains(*gauge.region, point, D);
 }
 
-/// Mean settlement [m] since the initial rest of the particles that were then within half a spacing of the highest one,
-/// both in the gauge's region; NaN if there are none.
+/// Mean settlement [m] since the initial rest of the particles at the crest: those that were then in the gauge's
+/// region, within half a spacing of the highest of them; NaN if there are none.
 template <int D>
 double crest_settlement(const Gauge& gauge, const Setup<D>& setup, const State<D>& state) {
   const auto& p = state.particles;

@@ -7,7 +7,7 @@
 namespace poretwin::solid {
 
 /// Readings of all gauges of the case that belong to the solid, except factors of safety. Throws CaseError for a kind
-/// or quantity that the solid does not know.
+/// or quantity that the solid does not have.
 template <int D>
 std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& state);
 

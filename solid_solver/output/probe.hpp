@@ -12,10 +12,10 @@
 
 namespace poretwin::solid {
 
-/// The images from which a quantity may be read.
+/// The images that may contribute to a quantity.
 enum class Reach {
   material,  ///< periodic images only: stresses, pressures and fractions have a kink at a mirror plane
-  motion,    ///< all images but those of frictional walls and of plates: velocities are reversed at fixed walls and
+  motion,    ///< all images except those of frictional walls and of plates: velocities are reversed at fixed walls and
            ///< mirrored at rollers
 };
 
@@ -40,7 +40,7 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
     const Vec<D> r = position - x;
     const double weight = state.particles.volume[parent] * sph::WendlandC2<D>::value(r.norm(), h);
     if (weight <= 0.0) continue;
-    // Past thin walls only particles themselves are read, where no wall hides them.
+    // Past thin walls only particles contribute, not images, and only where no wall hides them.
     if (!walls.empty() && (rule || !sight.open(x, position, walls))) continue;
     cover += weight;
     if (rule && (reach == Reach::material || rule->slips || rule->moves) && !rule->periodic) continue;

@@ -12,7 +12,7 @@
 namespace poretwin::solid {
 
 /// Mobilised friction angle [degrees], sin phi_m = (s1 - s3) / (s1 + s3) with the largest and smallest principal
-/// compression s1 and s3. It does not depend on the strength. 90 where a principal stress is tensile, 0 without stress.
+/// compression s1 and s3; independent of the strength. 90 where a principal stress is tensile, 0 without stress.
 inline double mobilised_friction(const Tensor& stress) {
   Eigen::SelfAdjointEigenSolver<Mat<3>> solver;
   solver.computeDirect(matrix_of<3>(stress), Eigen::EigenvaluesOnly);

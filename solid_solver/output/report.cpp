@@ -47,7 +47,7 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
       tell_scalars([&p, &state, up](std::size_t i) {
         return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
       }));
-  std::map<std::string, StateVariable> remembered;  // state variables of all materials, each under its name
+  std::map<std::string, StateVariable> remembered;  // the state variables of all materials, by name
   for (const auto& model : setup.models)
     for (const StateVariable& variable : model->state_variables()) remembered.try_emplace(variable.name, variable);
   for (const auto& [name, variable] : remembered)
@@ -85,8 +85,8 @@ std::map<std::string, double> counters_of(const State<D>& state, const RestRepor
 template <int D>
 std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, const RestReport& rest) {
   const bool sought = rest.steps > 0 && !rest.reached();
-  // Soil that ran away in the search starts from a shape that nobody has drawn. A layer that slides as a whole (cases/
-  // sliding_layer: by a third of its height) keeps its shape.
+  // Soil that moved far in the search starts from a shape that the case does not draw. A layer that slides as a whole
+  // (by a third of its height in cases/sliding_layer) keeps its shape.
   const bool far = rest.displacement > 0.5 * setup.height;
   double pulls = 0.0;
   for (const auto& plate : state.particles.plates)

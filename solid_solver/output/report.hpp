@@ -1,4 +1,4 @@
-// What a run reports of the soil: fields of its particles, counters, warnings.
+// The output of a run about the soil: fields of its particles, counters, warnings.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin::solid {
 
-/// Fields of the free particles for output. The frame refers to the state and is valid until that changes.
+/// Fields of the free particles for output. The frame refers to the state and is valid until the state changes.
 template <int D>
 OutputFrame frame_of(const Setup<D>& setup, const State<D>& state);
 

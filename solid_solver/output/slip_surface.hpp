@@ -1,4 +1,4 @@
-// Slip surfaces: how strongly sheared a path joins two lines.
+// Slip surfaces: plastic strain along a path of particles that joins two lines.
 #pragma once
 
 #include "solid_solver/numerics/readings.hpp"
@@ -20,10 +20,10 @@ double distance_from_line(const Vec<D>& x, const Vec<D>& begin, const Vec<D>& en
   return (x - begin - share * along).norm();
 }
 
-/// The weakest link of a slip surface: the largest accumulated plastic strain [1] for which particles with at least
-/// this strain form a path from one line to another, each within 1.5 spacings of the next. A line is given by two of
-/// the four points [m], in the unloaded soil. A path begins or ends at the particles within a spacing of a line. 0
-/// where no soil joins the lines.
+/// The weakest link of a slip surface: the largest accumulated plastic strain [1] such that particles with at least
+/// this strain form a path from one line to the other, each within 1.5 spacings of the next. Each line is given by two
+/// of the four points [m], in the unloaded soil. A path begins and ends at particles within a spacing of a line. The
+/// result is 0 where no soil joins the lines.
 template <int D>
 double weakest_link(const Setup<D>& setup, const State<D>& state, std::span<const Point3> lines) {
   struct Link {
@@ -44,7 +44,7 @@ double weakest_link(const Setup<D>& setup, const State<D>& state, std::span<cons
       links.push_back({std::min(p.plastic_strain[i], p.plastic_strain[j]), i, j});
   });
   std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.strain > b.strain; });
-  std::vector<std::size_t> next(n + 2);  // towards the representative of all particles that are joined
+  std::vector<std::size_t> next(n + 2);  // next particle towards the representative of a set of joined particles
   std::iota(next.begin(), next.end(), std::size_t{0});
   const auto root = [&](std::size_t i) {
     while (next[i] != i) i = next[i] = next[next[i]];

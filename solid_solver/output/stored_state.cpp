@@ -10,7 +10,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// Vectors of the first D of three numbers per particle.
+/// Vectors made of the first D of three numbers per particle.
 template <int D>
 VecArray<D> vectors(const std::vector<double>& numbers) {
   VecArray<D> all(numbers.size() / 3);

@@ -1,4 +1,4 @@
-// The soil as a frame of a run holds it.
+// The soil as a frame of a run stores it.
 #pragma once
 
 #include "common/output/frame_file.hpp"
@@ -8,13 +8,13 @@ namespace poretwin::solid {
 
 template <int D>
 struct StoredState {
-  State<D> state;     ///< at rest, as far as factor_of_safety() needs it
+  State<D> state;     ///< at rest; the parts that factor_of_safety() needs
   VecArray<D> water;  ///< N, force of the pore water on each particle
 };
 
-/// The soil of one frame. initial: the same soil as the case lays it out (laid_out), whose order of particles the frame
-/// has. origin: what the case adds to positions in frames [m]. Throws FileError where the frame has other particles, or
-/// lacks a field. Soil with rows behind rough walls cannot be read: frames do not hold those.
+/// The soil of one frame. initial: the soil as the case lays it out (laid_out), with the frame's order of particles.
+/// origin: vector that the case adds to positions in frames [m]. Throws FileError where the frame has other particles
+/// or lacks a field. Soil with rows behind rough walls cannot be read: frames do not contain them.
 template <int D>
 StoredState<D> stored_state(const Setup<D>& setup, const State<D>& initial, const FrameFile& frames, std::size_t frame,
                             const Point3& origin);

@@ -9,14 +9,14 @@
 
 namespace poretwin::solid {
 
-/// Largest and root-mean-square departure from rest [1]. The departure of a particle is its unbalanced acceleration, or
-/// its velocity times the near-critical damping rate where that is larger, over a reference acceleration.
+/// Largest and root-mean-square departure from rest [1]. The departure of a particle is its unbalanced acceleration or,
+/// where larger, its velocity times the near-critical damping rate, over a reference acceleration.
 struct Unrest {
   double largest = 0.0, rms = 0.0;
-  double share = 0.0;  ///< share of the mass whose departure exceeds `sleep::restless`
+  double share = 0.0;  ///< fraction of the mass whose departure exceeds `sleep::restless`
 };
 
-/// Damping rate [1/s] that is critical for the slowest mode of a column of the soil's height, 2 omega = pi c / H.
+/// Damping rate [1/s] that is critical for the slowest mode of a column of the soil's height: 2 omega = pi c / H.
 template <int D>
 double near_critical_damping(const Setup<D>& setup) {
   return std::numbers::pi * setup.stabilisers.sound_speed / setup.height;
@@ -38,8 +38,8 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   return force;
 }
 
-/// Reference acceleration [m/s2]: gravity, or the forces from outside and of plates per mass, spread over the soil's
-/// height, if larger.
+/// Reference acceleration [m/s2]: gravity or, where larger, the forces per mass from outside and from plates,
+/// distributed over the soil's height.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double reference = setup.gravity.norm();
@@ -51,7 +51,7 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
                                     state.particles.plates[k].reaction.norm());
     reference = std::max(reference, pressed / setup.plates[k].row * setup.spacing / setup.height);
     if (drive.plates.empty() || setup.plates[k].is_free()) continue;
-    // The stress that the way to the target causes in a column of the soil's height.
+    // The stress that the remaining displacement to the target causes in a column of the soil's height.
     const double way = (drive.plates[k].target - state.particles.plates[k].displacement).norm();
     const double speed = setup.stabilisers.sound_speed / setup.height;
     reference = std::max(reference, speed * speed * way);
@@ -59,7 +59,7 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
   return setup.domain.max(reference);
 }
 
-/// Share of the mass that belongs to free particles i with moves(i).
+/// Fraction of the mass that belongs to free particles i for which moves(i) holds.
 template <int D, class Moves>
 double share_of_mass(const Domain& domain, const Particles<D>& p, Moves&& moves) {
   double share = 0.0, whole = 0.0;
@@ -105,7 +105,7 @@ void stop(const Setup<D>& setup, State<D>& state) {
 }
 
 /// Whether the degree of saturation has changed by more than `sleep::softening` since the soil was last found at rest,
-/// in soil whose cohesion depends on it.
+/// in soil whose cohesion depends on saturation.
 template <int D>
 bool softened(const Setup<D>& setup, const State<D>& state) {
   const auto& now = state.external.saturation;
@@ -117,16 +117,16 @@ bool softened(const Setup<D>& setup, const State<D>& state) {
   return setup.domain.any(any);
 }
 
-/// Least length [s] of a long window, which is computed as an equilibrium: the time that elastic waves take through the
-/// soil and back.
+/// Least length [s] of a long window, which is computed as an equilibrium. It is the time in which elastic waves cross
+/// the soil and return.
 template <int D>
 double long_window(const Setup<D>& setup) {
   return 2.0 * setup.height / setup.stabilisers.sound_speed;
 }
 
-/// Whether something disturbs the sleeping soil: since it fell asleep a particle's force from the water has changed by
-/// more than `wake_above` times the reference acceleration, water has softened the soil, or a load has begun. loads:
-/// number begun.
+/// Whether something disturbs the sleeping soil. Since it fell asleep, either the water's force on a particle has
+/// changed by more than `wake_above` times the reference acceleration, or water has softened the soil, or a load has
+/// begun. loads: number of loads that have begun.
 template <int D>
 bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference,
                double wake_above) {

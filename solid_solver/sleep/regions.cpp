@@ -9,16 +9,16 @@
 namespace poretwin::solid {
 namespace {
 
-/// Bounds below which soil counts as at rest, and above which a change counts as a disturbance.
+/// Bounds below which soil counts as at rest, and above which a change of force counts as a disturbance.
 template <int D>
 struct Bounds {
-  double way;     ///< s, time of an elastic wave through the soil
-  double moved;   ///< m, displacement up to which soil becomes calm
-  double work;    ///< J/kg, dissipation up to which soil becomes calm: `regions` times the elastic energy under its
-                  ///< weight
-  double push;    ///< m/s2, change of a force from outside per mass that wakes a particle
-  double within;  ///< factor on `push` for a force of the neighbours: it acts on only a few rows of the soil's height
-  double around;  ///< m, margin of soil awake
+  double way;     ///< time of an elastic wave through the soil [s]
+  double moved;   ///< largest displacement of calm soil [m]
+  double work;    ///< largest dissipation of calm soil [J/kg]: `regions`
+                  ///< times the elastic energy under its weight
+  double push;    ///< change of a force from outside, per mass, that wakes a particle [m/s2]
+  double within;  ///< factor on `push` for forces of neighbours, which act on only a few rows of the soil's height
+  double around;  ///< width of the soil that is woken around a disturbance [m]
   explicit Bounds(const Setup<D>& setup) {
     const double g = setup.gravity.norm(), rest = setup.quiet.regions * g;
     way = setup.height / setup.stabilisers.sound_speed;
@@ -30,7 +30,7 @@ struct Bounds {
   }
 };
 
-/// Positions where something happens, for queries whether one lies within `reach` [m].
+/// Positions of disturbances or activity, for queries whether one of them lies within `reach` [m].
 template <int D>
 class Places {
  public:
@@ -46,7 +46,7 @@ class Places {
   double reach_;
 };
 
-/// Whether the forces on the sleeping particle i, or its saturation, have changed beyond the bounds.
+/// Whether the forces on the sleeping particle i, or its saturation, have changed by more than the bounds.
 template <int D>
 bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, const State<D>& state,
                   std::size_t i) {
@@ -61,7 +61,7 @@ bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>
          (p.volume[i] * state.force[i].internal() - regions.mark[i]).norm() > bounds.within * push;
 }
 
-/// Records which particles have moved or yielded. Returns their positions and those of sleeping particles that are
+/// Records which particles have moved or yielded. Returns their positions, and those of sleeping particles that were
 /// disturbed.
 template <int D>
 VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
@@ -84,7 +84,7 @@ VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const D
   return places;
 }
 
-/// Wakes sleeping particles within reach of one of the places, and those around them. Returns whether any woke.
+/// Wakes sleeping particles within reach of one of the places, and particles around them. Returns whether any woke.
 template <int D>
 bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>& places, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -100,12 +100,12 @@ bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>
     if (!regions.sleeps(i) || !waking.near(p.position[i])) continue;
     regions.asleep[i] = 0;
     regions.mark[i] = p.displacement[i];
-    regions.last_active[i] = regions.clock - sleep::calm_after * bounds.way;  // still calm
+    regions.last_active[i] = regions.clock - sleep::calm_after * bounds.way;  // it still counts as calm
   }
   return true;
 }
 
-/// Lets particles fall asleep that have been calm for a while, as all around them. Returns whether any fell asleep.
+/// Lets calm particles fall asleep if all around them are calm, too. Returns whether any fell asleep.
 template <int D>
 bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;

@@ -8,7 +8,7 @@
 namespace poretwin::solid {
 
 /// Acceleration of the iteration x += P^-1 f(x) towards f(x) = 0 (Anderson 1965; Walker & Ni 2011), with P symmetric
-/// and positive definite. Of all combinations of the last moves it takes the one whose linear prediction of f is least
+/// and positive definite. Of all combinations of the last moves it uses the one with the least linear prediction of f
 /// in the norm of P^-1. For linear f this is GMRES. Kinks of f, such as yielding, do not stop it.
 class Anderson {
  public:
@@ -41,7 +41,7 @@ class Anderson {
 
  private:
   Eigen::MatrixXd moves_, changes_, turns_;  ///< changes in the last moves: of x, of f, of P^-1 f
-  Eigen::MatrixXd products_;                 ///< turns^T changes, symmetric since P is
+  Eigen::MatrixXd products_;                 ///< turns^T changes; symmetric because P is symmetric
   Eigen::VectorXd missing_, step_;
   Eigen::Index count_ = 0;
 };

@@ -74,7 +74,7 @@ class Factors final : public AxisInverse<D> {
 
  private:
   using EachAxis = Eigen::Array<double, D, 1>;
-  /// L^-1 times the forces, in the order of elimination.
+  /// L^-1 times the forces, with the factor L, in the order of elimination.
   [[nodiscard]] std::vector<EachAxis> eliminated(const VecArray<D>& forces) const {
     const std::size_t n = forces.size();
     std::vector<EachAxis> x(n);
@@ -87,12 +87,12 @@ class Factors final : public AxisInverse<D> {
     return x;
   }
 
-  Eigen::Index axis_ = 0;            ///< whose matrix comes next
-  std::vector<Index> place_;         ///< row of each particle in the order of elimination
-  std::vector<Index> offset_, row_;  ///< the factors by columns without their diagonals: first entry of each column,
-                                     ///< rows of the entries
+  Eigen::Index axis_ = 0;            ///< axis whose matrix is added next
+  std::vector<Index> place_;         ///< row of each particle, in the order of elimination
+  std::vector<Index> offset_, row_;  ///< the factors by columns, without diagonals: first entry of each column; rows of
+                                     ///< the entries
   std::vector<Eigen::Array<float, D, 1>> factor_;
-  std::vector<EachAxis> inverse_;  ///< inverses of the diagonals
+  std::vector<EachAxis> inverse_;  ///< inverses of the factors' diagonals
 };
 
 template <int D>
@@ -105,7 +105,7 @@ class ByMultigrid final : public AxisInverse<D> {
     PairMatrix& m = axes_.emplace_back().matrix;
     for (std::size_t a = 0; a < n; ++a) {
       double diagonal = 0.0;
-      // A symmetric matrix's columns are its rows.
+      // The matrix is symmetric: its columns serve as rows.
       for (Matrix::InnerIterator entry(matrix, static_cast<Eigen::Index>(a)); entry; ++entry) {
         const auto column = static_cast<std::size_t>(entry.row());
         if (column == a) {
@@ -113,7 +113,7 @@ class ByMultigrid final : public AxisInverse<D> {
           continue;
         }
         const auto weight = static_cast<float>(-entry.value());
-        diagonal += static_cast<double>(weight) + entry.value();  // keeps the row's sum
+        diagonal += static_cast<double>(weight) + entry.value();  // keeps the sum of the row
         m.weight.push_back(weight);
         if (first) index_.push_back(static_cast<Index>(column));
       }
@@ -140,7 +140,7 @@ class ByMultigrid final : public AxisInverse<D> {
       const Axis& own = axes_[static_cast<std::size_t>(axis)];
       for (std::size_t i = 0; i < n; ++i) force[i] = forces[i][axis];
       std::fill(x.begin(), x.end(), 0.0);
-      own.multigrid->cycle(force, z);  // also the first step of the iteration
+      own.multigrid->cycle(force, z);  // this is also the first step of the iteration
       const double energy = domain.dot(force, z);
       if (energy > 0.0)
         reduce_residual(
@@ -171,8 +171,8 @@ class ByMultigrid final : public AxisInverse<D> {
     PairMatrix matrix;
     std::unique_ptr<Multigrid> multigrid;
   };
-  std::vector<Index> offset_, index_;  ///< columns of the rows, of all axes
-  std::deque<Axis> axes_;              ///< their addresses stay
+  std::vector<Index> offset_, index_;  ///< columns of the rows, common to all axes
+  std::deque<Axis> axes_;              ///< a deque, so that addresses remain valid
 };
 
 }  // namespace

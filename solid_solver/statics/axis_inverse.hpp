@@ -1,4 +1,4 @@
-// Solves for the displacements along each axis that the stiffness of this axis opposes to given forces.
+// Solves, separately for each axis, for the displacements at which the stiffness balances given forces.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -9,7 +9,7 @@
 
 namespace poretwin::solid {
 
-/// One symmetric positive definite matrix [N/m] per axis, all with the same entries.
+/// One symmetric positive definite matrix [N/m] per axis, all with the same sparsity pattern.
 template <int D>
 class AxisInverse {
  public:
@@ -17,7 +17,7 @@ class AxisInverse {
   AxisInverse(const AxisInverse&) = delete;
   AxisInverse& operator=(const AxisInverse&) = delete;
   virtual ~AxisInverse() = default;
-  /// Takes the matrix of the next axis. Throws DivergedError where it is not positive definite.
+  /// Adds the matrix of the next axis. Throws DivergedError where it is not positive definite.
   virtual void add(const Eigen::SparseMatrix<double>& matrix) = 0;
   /// Displacements [m] that balance the forces [N].
   [[nodiscard]] virtual VecArray<D> displacements(const VecArray<D>& forces) const = 0;
@@ -25,9 +25,9 @@ class AxisInverse {
   [[nodiscard]] virtual double work(const VecArray<D>& forces) const = 0;
 };
 
-/// By sparse Cholesky factors. They have one sparsity pattern and are stored interleaved in floats: their product stays
-/// symmetric and positive definite, and a solve takes only the time of reading them. In 3D their size grows with the
-/// number of particles to the power of 1.6.
+/// By sparse Cholesky factors. The factors have one sparsity pattern and are stored interleaved in single precision:
+/// the product of the rounded factors stays symmetric and positive definite, and a solve takes only the time of reading
+/// them. In 3D their size grows with the number of particles to the power of 1.6.
 template <int D>
 std::unique_ptr<AxisInverse<D>> by_factors();
 

@@ -8,7 +8,7 @@
 
 namespace poretwin::solid {
 
-/// All forces on the free particles [N], with hourglass control and artificial viscosity.
+/// All forces on the free particles [N], including hourglass control and artificial viscosity.
 template <int D>
 VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   VecArray<D> force = forces(setup, state, drive);
@@ -16,7 +16,7 @@ VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive
   return force;
 }
 
-/// Departure from rest [1] of soil on which these unbalanced forces [N] act: the error of its stress in the norm of the
+/// Departure from rest [1] of soil under these unbalanced forces [N]: the error of its stress in the norm of the
 /// elastic energy, over the stress that the reference acceleration [m/s2] causes.
 template <int D>
 double departure(const Stiffness<D>& stiffness, const VecArray<D>& force, double reference) {
@@ -27,8 +27,8 @@ double departure(const Setup<D>& setup, const Stiffness<D>& stiffness, const Sta
   return departure(stiffness, all_forces(setup, state, drive), reference_acceleration(setup, state, drive));
 }
 
-/// Forces on the particles [N], averaged over their neighbourhoods by mass. This removes what alternates from one
-/// particle to the next: hourglass modes carry no stress, and in flowing soil nothing controls them.
+/// Forces on the particles [N], averaged over their neighbourhoods by mass. The average removes forces that alternate
+/// from one particle to the next: hourglass modes carry no stress, and in flowing soil nothing controls them.
 template <int D>
 VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArray<D>& force) {
   const Particles<D>& p = state.particles;
@@ -49,17 +49,17 @@ VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArra
   return sum;
 }
 
-/// When an equilibrium counts as found, and when the search is given up.
+/// Criteria by which an equilibrium counts as found, and by which the search is given up.
 struct EquilibriumSearch {
-  double criterion = statics::criterion;  ///< departure from rest, as Stiffness::departure() measures it
-  double local = 0.0;  ///< share of the mass that may go on moving in soil that yields, once the remaining soil is at
-                       ///< rest
-  double moving = statics::woken_by;  ///< averaged force per mass from which on a particle counts as moving, over the
-                                      ///< reference acceleration
+  double criterion = statics::criterion;  ///< departure from rest, as measured by Stiffness::departure()
+  double local = 0.0;  ///< fraction of the mass that may continue to move in soil that yields, once the remaining soil
+                       ///< is at rest
+  double moving = statics::woken_by;  ///< a particle counts as moving above this averaged force per mass, relative to
+                                      ///< the reference acceleration
   std::size_t most = statics::most_tried;  ///< largest number of trial displacements
 };
 
-/// How far a search still is from equilibrium: the share of the mass whose averaged force exceeds a bound, and the
+/// Distance of a search from equilibrium. share: fraction of the mass whose averaged force exceeds a bound; rest:
 /// departure from rest of the remaining particles.
 struct Unsettled {
   double share = 1.0, rest = 0.0;
@@ -76,8 +76,8 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
   return result;
 }
 
-/// Decides whether all but a local part of the soil is at rest. That part may be twice as large when further trials
-/// gain nothing; it then goes on creeping in the next window. ends() is called once every few trials.
+/// Decides whether all but a local part of the soil is at rest. The local part may be twice as large when further
+/// trials gain nothing; it then continues to creep in the next window. ends() is called once every few trials.
 class Patience {
  public:
   /// departure: departure from rest of the whole soil.
@@ -93,8 +93,8 @@ class Patience {
   std::array<double, 4> shares_{1.0, 1.0, 1.0, 1.0};
 };
 
-/// Sets the stress to zero in grains that are apart or have been apart in one of the trials (apart[i] = 1). Contacts
-/// that come and go with every trial would leave no equilibrium to find.
+/// Sets the stress to zero in grains that are apart or have been apart in one of the trials (apart[i] = 1). If contacts
+/// came and went with every trial, no equilibrium could be found.
 template <int D>
 void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart) {
   Particles<D>& p = state.particles;
@@ -106,7 +106,7 @@ void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart)
   }
 }
 
-/// Undoes the last trial displacement: restores what it changed, except what the evaluation of the forces overwrites.
+/// Undoes the last trial displacement: restores the values that it changed and that the next forces do not overwrite.
 template <int D>
 void restore_state(const State<D>& start, State<D>& state) {
   if (state.rebuilds > start.rebuilds) state.near = start.near;
@@ -123,9 +123,9 @@ void restore_state(const State<D>& start, State<D>& state) {
 /// pair lists are new.
 ///
 /// Every trial starts from the state at the window's start, so that stress is returned to the cone once, over the
-/// strain of the whole window. If each trial continued from the one before, the plastic strain of all detours of the
+/// strain of the whole window. If each trial continued from the previous one, the plastic strain of all detours of the
 /// search would add up. The search is given up after search.most trials, or when a particle moves by more than half a
-/// spacing; the state is then the initial one.
+/// spacing; the initial state is then restored.
 template <int D, class ExternalForce>
 RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
                             double interval, State<D>& state, ExternalForce&& external) {
@@ -134,7 +134,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   RestReport report;
   report.criterion = search.criterion;
   const std::size_t n = state.particles.free();
-  std::vector<std::size_t> free_plates;  // whose displacements are searched for, too, along their normals
+  std::vector<std::size_t> free_plates;  // plates whose displacements along their normals are searched for as well
   for (std::size_t k = 0; k < setup.plates.size(); ++k)
     if (setup.plates[k].is_free()) free_plates.push_back(k);
   const auto of_soil = static_cast<Eigen::Index>(n * D), of_plates = static_cast<Eigen::Index>(free_plates.size());
@@ -184,8 +184,8 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
         search.local > 0.0 && state.any_yielded && report.steps % statics::looks_every == 0 &&
         patience.ends(search, report.residual, unsettled(setup, stiffness, search.moving, state, force, reference));
     if (report.reached()) {
-      // Hourglass control ends where soil yields, but only between two searches. If every trial switched it, there
-      // would be no equilibrium to find.
+      // Hourglass control ends where soil yields, but only between two searches. If every trial switched it, no
+      // equilibrium could be found.
       bool lets_go = false;
       for (std::size_t i = 0; i < held.size(); ++i) {
         if (held[i] > 0.0 || state.particles.plastic_strain[i] <= 0.0) continue;
@@ -197,7 +197,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
       continue;
     }
     all += accelerated.move(missing, towards);
-    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;  // of a plate, too
+    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;  // plates included
   }
   if (!report.reached()) state = start;
   return report;

@@ -34,7 +34,7 @@ RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
   const std::size_t n = state.particles.size();
   const VecArray<D> initial = state.particles.velocity, slip = state.particles.slip;
   stop(setup, state);
-  constexpr double before_everything = -1e300;  // only standing loads act at this time
+  constexpr double before_everything = -1e300;  // a time at which only permanent loads act
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (coupling::interrupted())
       throw Error(ExitCode::interrupted,

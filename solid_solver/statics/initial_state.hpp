@@ -1,4 +1,4 @@
-// The soil at time zero: on its initial lattice, and at rest under gravity, water and standing loads.
+// The soil at time zero: on its initial lattice, and at rest under gravity, water and the loads that always act.
 #pragma once
 
 #include "solid_solver/exchange/water_load.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin::solid {
 
-/// State with the particles on their initial lattice, with pair lists and forces. Sets the scales of the setup's loads.
+/// The state with the particles on their initial lattice, with pair lists and forces. Sets the scales of setup.loads.
 template <int D>
 State<D> laid_out(Setup<D>& setup, Particles<D> particles);
 
@@ -14,7 +14,7 @@ State<D> laid_out(Setup<D>& setup, Particles<D> particles);
 template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state);
 
-/// Sets the origin from which uplift, yielding and impulses are counted to the present state.
+/// Sets the present state as the origin from which uplift, yielding and impulses are counted.
 template <int D>
 void start_counting(State<D>& state);
 

@@ -13,23 +13,23 @@ struct RestReport {
   std::size_t steps = 0;
   double displacement = 0.0;  ///< m, largest displacement of a particle
   double residual = 0.0;      ///< largest acceleration (without damping) over the reference acceleration
-  bool creeps = false;        ///< all but a small share of the soil is at rest; the remaining part yields
+  bool creeps = false;        ///< all but a small part of the soil is at rest; this part yields
   bool slides = false;        ///< the search was given up because a particle moved too far
-  /// Set when a search found no rest: the largest acceleration, over the reference acceleration, to which the soil's
-  /// motion in the last quarter of the search corresponds. It ignores stress that alternates in a yielding grain
-  /// without moving it on.
+  /// Set when a search found no rest: the largest acceleration, over the reference acceleration, that corresponds to
+  /// the soil's motion in the last quarter of the search. It ignores stress that alternates in a yielding grain without
+  /// moving the grain on.
   double drift = std::numeric_limits<double>::infinity();
-  double criterion = 0.0;  ///< rest is found when the residual is below it; 0: no rest was searched for
+  double criterion = 0.0;  ///< rest is found when the residual is below this; 0: no search for rest
   [[nodiscard]] bool reached() const { return residual < criterion || creeps || drift < criterion; }
 };
 
-/// When rest counts as found, and when the search is given up.
+/// Criteria by which rest counts as found, and by which the search is given up.
 struct RestSearch {
   double criterion = statics::rest_criterion;     ///< largest acceleration at rest, over the reference acceleration
-  double ways = statics::rest_ways;               ///< longest search, in times that an elastic wave takes through the
+  double ways = statics::rest_ways;               ///< longest search, in times in which an elastic wave crosses the
                                                   ///< soil's height
   double yielding = statics::rest_ways_yielding;  ///< longest search once soil yields, in the same unit
-  double local = 0.0;                             ///< share of the mass that may go on moving in soil that yields
+  double local = 0.0;                             ///< fraction of the mass that may continue to move in yielding soil
   double farthest = std::numeric_limits<double>::infinity();  ///< m, displacement at which the search is given up
   bool drifts = false;  ///< soil also counts as at rest where its motion has no drift (RestReport::drift)
 };
@@ -59,14 +59,14 @@ double farthest_moved(const Domain& domain, const State<D>& state, const VecArra
   return domain.max(farthest);
 }
 
-/// Dynamic relaxation from the present state. external(drive, rebuilt) sets the forces from outside after every step;
-/// rebuilt: the pair lists are new.
+/// Dynamic relaxation from the present state. external(drive, rebuilt) sets the forces from outside after every step.
+/// rebuilt: whether the pair lists are new.
 ///
 /// The damping is critical for the lowest frequency that the motion shows, and at least for the slowest mode of a
-/// column of the soil's height. From the first yielding on it is reduced with the stiffness of the soil, down to a
-/// fiftieth of the elastic value. Stable soil then comes to rest in fewer steps, and unstable soil accelerates visibly.
-/// Velocities serve the search only and are zero at its end. show(report) is called at every hundredth step and at the
-/// last. The search also ends when `given_up` is set.
+/// column of the soil's height. From the first yielding on, it is reduced with the stiffness of the soil, to at least a
+/// fiftieth of the elastic value. Then stable soil comes to rest in fewer steps, and unstable soil accelerates visibly.
+/// Velocities are used only in the search and are zero at its end. show(report) is called at every hundredth step and
+/// at the last step. The search also ends when `given_up` is set.
 template <int D, class ExternalForce, class Show>
 RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
                      Show&& show, const bool& given_up = false) {
@@ -114,7 +114,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
   } while (!report.reached() && !report.slides && !given_up && report.steps < limit());
-  if (!report.reached() && late_steps > 0)  // damped motion continues at a speed of force over damping
+  if (!report.reached() && late_steps > 0)  // damped motion continues at the speed force / damping
     report.drift = late_damping / static_cast<double>(late_steps) * farthest_moved(setup.domain, state, late) /
                    (static_cast<double>(late_steps) * dt) / reference;
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
@@ -124,8 +124,8 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
   return report;
 }
 
-/// Sets the stresses of level ground: the vertical one from the weight (and the water's force) above each particle, the
-/// horizontal ones by the soil's coefficient of earth pressure at rest, K0. Soils without K0 keep their stress.
+/// Sets the stresses of level ground: the vertical stress by the weight (and the water's force) above each particle,
+/// the horizontal stresses by the soil's coefficient of earth pressure at rest, K0. Soils without K0 keep their stress.
 template <int D>
 void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& soils, const Drive<D>& drive,
                                State<D>& state) {

@@ -10,8 +10,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// The soil at rest, with nothing left of how it came there but what frames hold (see factor_of_safety). water: force
-/// on each particle [N].
+/// The soil at rest, without any memory of how it came to rest except what frames contain (see factor_of_safety).
+/// water: force on each particle [N].
 template <int D>
 State<D> at_rest(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water) {
   State<D> trial = state;
@@ -24,8 +24,8 @@ State<D> at_rest(const Setup<D>& setup, const State<D>& state, const VecArray<D>
   trial.since_upkeep = 0.0;
   std::fill(p.wall_slope.begin(), p.wall_slope.end(), Vec<D>::Zero());
   for (std::size_t i = 0; i < p.size(); ++i) trial.body[i] = (p.mass[i] * setup.gravity + water[i]) / p.volume[i];
-  // The gradient of the displacement, from which hourglass control takes what is not linear, by the operator that gives
-  // the velocity's.
+  // The gradient of the displacement, by the operator that gives the velocity's gradient. Hourglass control takes from
+  // it what part of the displacement is linear.
   p.velocity = p.displacement;
   p.slip = p.slipped;
   rebuild(setup, trial);
@@ -41,8 +41,8 @@ struct Failure {
   VecArray<D> displacement;  ///< m
 };
 
-/// Whether the soil stands with its strength divided by `factor`; empty where the run was interrupted. failure: set
-/// where it does not. water: force on each particle [N].
+/// Whether the soil stands with its strength divided by `factor`; empty if interrupted. failure: how the soil fails,
+/// set if it does not stand. water: force on each particle [N].
 template <int D>
 std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water, double factor,
                            Failure<D>& failure) {
@@ -85,7 +85,7 @@ Vec<D> standing_water_force(const Setup<D>& setup, const State<D>& state, std::s
 template <int D>
 std::optional<FactorOfSafety<D>> factor_of_safety(const Setup<D>& setup, const State<D>& state,
                                                   const VecArray<D>& water, const BorderSearch& search) {
-  Failure<D> failure;  // of the last trial that failed, which is the one nearest to the factor of safety
+  Failure<D> failure;  // of the last trial that failed, which is nearest to the factor of safety
   const auto border = find_border(search, [&](double factor) { return stands(setup, state, water, factor, failure); });
   if (!border) return {};
   return FactorOfSafety<D>{*border, std::move(failure.strain), std::move(failure.displacement)};

@@ -19,7 +19,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
     if (j < n) return lattice[j];
     return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;
   };
-  // Moduli of soil without strain: one factorisation serves many windows, and a resumed run computes the same one.
+  // Moduli of unstrained soil: one factorisation serves many windows, and a resumed run computes the same one.
   const std::vector<Elasticity>& elasticity = setup.typical;
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
   inverse_ = D == 2 ? by_factors<D>() : by_multigrid<D>();
@@ -27,7 +27,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   for (std::size_t k = 0; k < setup.plates.size(); ++k)
     if (setup.plates[k].is_free()) free_plates.push_back(k);
   border_.assign(free_plates.size(), VecArray<D>(n_free, Vec<D>::Zero()));
-  std::vector<Vec<D>> carried(near.images.size() * free_plates.size(), Vec<D>::Zero());  // by image, then plate
+  std::vector<Vec<D>> carried(near.images.size() * free_plates.size(), Vec<D>::Zero());  // by image, then by plate
   for (const BehindPlate<D>& behind : near.behind_plates)
     if (const auto at = std::ranges::find(free_plates, behind.plate); at != free_plates.end())
       carried[behind.image * free_plates.size() + static_cast<std::size_t>(at - free_plates.begin())] =
@@ -46,7 +46,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const Elasticity &a = elasticity[laid.material[i]], &b = elasticity[laid.material[parent]];
       const double shear = 0.5 * (a.shear + b.shear), constrained = 0.5 * (a.constrained() + b.constrained());
       const double along = r[axis] / distance;
-      // Bounded below, so that the matrix is positive definite.
+      // The lower bound makes the matrix positive definite.
       const double form = std::max(2.0 * shear + (constrained - shear) * ((D + 2) * along * along - 1.0),
                                    statics::least_pair_stiffness * shear);
       const double strength =
@@ -60,7 +60,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
         add(i, parent, coupling);
         return;
       }
-      // Behind a curved wall the image of one particle of a pair is not as far away as that of the other.
+      // Behind a curved wall, the images of the two particles of a pair are not equally far away: the mean is added.
       add(i, parent, 0.5 * coupling);
       add(parent, i, 0.5 * coupling);
     });
@@ -78,7 +78,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   for (const VecArray<D>& force : border_) follow_.push_back(displacements(force));
   for (Eigen::Index a = 0; a < m; ++a) {
     const auto f = static_cast<std::size_t>(a);
-    // Soil that goes along with the plate does not resist it.
+    // Soil that moves with the plate does not resist it.
     for (const Vec<D>& force : border_[f]) stiffness(a, a) += force.dot(setup.plates[free_plates[f]].normal);
     for (Eigen::Index b = 0; b < m; ++b) stiffness(a, b) -= times(border_[f], follow_[static_cast<std::size_t>(b)]);
   }

@@ -1,4 +1,4 @@
-// Windows that quiet soil passes asleep.
+// Windows in which quiet soil is asleep.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -7,14 +7,14 @@
 
 namespace poretwin::solid {
 
-/// Passes the window asleep where the soil sleeps and nothing disturbs it; returns whether it does. Sets
-/// drive.distributed to the water's forces [N] wherever the soil was asleep.
+/// Leaves the soil asleep during the window if it sleeps and nothing disturbs it; returns whether it does. Sets
+/// drive.distributed to the water's forces [N] if the soil was asleep at the window's start.
 template <int D>
 bool sleeps_on(const Setup<D>& setup, const coupling::Window& window, const WaterInput<D>& water, Drive<D>& drive,
                State<D>& state);
 
-/// Lets the soil fall asleep at the end of a computed window where it is quiet. reference: reference acceleration at
-/// the window's start [m/s2].
+/// Makes the soil fall asleep at the end of a computed window if it is quiet. reference: reference acceleration at the
+/// window's start [m/s2].
 template <int D>
 void fall_asleep_if_quiet(const Setup<D>& setup, const Drive<D>& drive, double reference, State<D>& state);
 

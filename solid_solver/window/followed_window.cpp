@@ -12,9 +12,9 @@
 namespace poretwin::solid {
 namespace {
 
-/// Whether the fluid's pressure, which is the mean of the window, acts unchanged in the whole window: on moving soil,
-/// and where a load begins with the window and raises the pressure at once. Otherwise the soil goes from rest to rest,
-/// and the pressure changes linearly in the window.
+/// Whether the fluid's pressure, a mean over the window, acts unchanged in the whole window: on moving soil, and where
+/// a load begins with the window and raises the pressure immediately. Otherwise the soil goes from rest to rest, and
+/// the pressure changes linearly in the window.
 template <int D>
 bool feels_the_mean(const Setup<D>& setup, const State<D>& state, const coupling::Window& window) {
   return state.motion.moving || std::ranges::any_of(setup.loads, [&](const auto& patch) {
@@ -22,7 +22,7 @@ bool feels_the_mean(const Setup<D>& setup, const State<D>& state, const coupling
          });
 }
 
-/// Whether no water acts in the window.
+/// Whether no water acts on the soil in the window.
 template <int D>
 bool is_dry(const State<D>& state, const WaterInput<D>& water) {
   const auto acts = [](double x) { return x != 0.0; };
@@ -31,7 +31,7 @@ bool is_dry(const State<D>& state, const WaterInput<D>& water) {
          std::all_of(water.from.begin(), water.from.end(), [](const Vec<D>& g) { return g.isZero(0.0); });
 }
 
-/// Forces of the loads, evaluated again only where they may have changed.
+/// Forces of the loads, evaluated anew only where they may have changed.
 template <int D>
 class Loads {
  public:
@@ -55,7 +55,7 @@ class Loads {
 
 template <int D>
 CrossedAs way_through(const Setup<D>& setup, const State<D>& state, double interval) {
-  // A field has no inertia, so that soil which goes from rest to rest with it does so in windows of any length.
+  // A field has no inertia: soil that goes from rest to rest with a field does so in windows of any length.
   if (setup.coupling.coupled && !state.motion.moving && (setup.water.is_field || interval > followed_window(setup)))
     return {true, 1};
   return {false,
@@ -81,8 +81,8 @@ void follow_window(const Setup<D>& setup, const coupling::Window& window, std::s
   Loads<D> loads(setup);
   for (std::size_t k = 0; k < steps; ++k) {
     loads.act(setup, state, window.time + static_cast<double>(k) * dt, drive.traction);
-    const double due = static_cast<double>(k + 1) / static_cast<double>(steps);  // fraction of the window passed at the
-                                                                                 // substep's end
+    const double due = static_cast<double>(k + 1) / static_cast<double>(steps);  // fraction of the window that has
+                                                                                 // passed at the end of the substep
     for (std::size_t i = 0; i < n && water.tracks; ++i)
       drive.target[i] = tracking.start[i] + (setup.parallel ? 1.0 : due) * tracking.change[i];
     const double share = mean ? 1.0 : due;

@@ -17,7 +17,7 @@ namespace {
 
 using coupling::Outcome;
 
-/// Upper bound of the plastic shear strain since `before` in all of the soil but the fraction `sleep::local_share`.
+/// Upper bound of the plastic shear strain since `before`, in all of the soil except the fraction `sleep::local_share`.
 template <int D>
 double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
   ScalarArray shear(p.free());
@@ -28,10 +28,10 @@ double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
   return most == shear.end() ? 0.0 : *most;
 }
 
-/// Fraction to which the soil's motion in a window is drained: 1 from the time of consolidation over its height on, H^2
-/// gamma_w / (k M), 0 below a fifth of it, linear in between (soil that creeps through a sudden change of the fraction
-/// fails). In shorter windows the soil's dilation sets the pressure of the next window, and that pressure its motion.
-/// To extrapolate that motion, or to return all of its impulse at once, would overshoot.
+/// Fraction to which the soil's motion in a window is drained: 1 in windows longer than the time of consolidation over
+/// the soil's height, H^2 gamma_w / (k M); 0 below a fifth of it; linear in between, since creeping soil fails if the
+/// fraction changes suddenly. In shorter windows, the soil's dilation sets the pressure of the next window, and this
+/// pressure the motion: to extrapolate the motion, or to return all of its impulse immediately, would overshoot.
 template <int D>
 double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double interval) {
   ScalarArray conductivity;
@@ -45,7 +45,7 @@ double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double int
   return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
 }
 
-/// Rates [1/s] at which the particles' volumes change with these velocities [m/s].
+/// Rates [1/s] at which the particles' volumes change if the particles have these velocities [m/s].
 template <int D>
 ScalarArray dilation_of(VecArray<D> velocity, State<D>& state) {
   std::swap(state.particles.velocity, velocity);
@@ -57,7 +57,7 @@ ScalarArray dilation_of(VecArray<D> velocity, State<D>& state) {
   return rate;
 }
 
-/// Volumetric strain of every particle in a window with the predicted motion.
+/// Volumetric strain of every particle in a window in which it moves as predicted.
 template <int D>
 ScalarArray predicted_strain(double interval, const Drive<D>& tracking, State<D>& state) {
   VecArray<D> velocity = state.particles.velocity;
@@ -68,14 +68,14 @@ ScalarArray predicted_strain(double interval, const Drive<D>& tracking, State<D>
   return strain;
 }
 
-/// Root mean square of forces on the particles [N] over their weight, in all but a local part of the soil that holds
-/// water.
+/// Root mean square of the ratio of forces on particles [N] to their weights, in soil with water, except for a local
+/// part of it.
 template <int D>
 double over_weight(const Particles<D>& p, const Drive<D>& tracking, std::span<const double> force, double reference) {
-  std::vector<std::pair<double, double>> squares;  // with the particle's mass
+  std::vector<std::pair<double, double>> squares;  // each with the particle's mass
   for (std::size_t i = 0; i < p.free(); ++i)
     if (tracking.tracking[i] > 0.0) squares.emplace_back(std::pow(force[i] / (p.mass[i] * reference), 2), p.mass[i]);
-  // The search for equilibrium lets a local part of the soil creep; it is left out here, too.
+  // The search for equilibrium allows a local part of the soil to creep; this part is left out here, too.
   const auto most = squares.size() - static_cast<std::size_t>(sleep::local_share * static_cast<double>(squares.size()));
   if (most < squares.size())
     std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(most), squares.end());
@@ -88,8 +88,8 @@ double over_weight(const Particles<D>& p, const Drive<D>& tracking, std::span<co
   return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
 }
 
-/// Force that ties the soil to the predicted motion in a window's first pass, without the part that is inertia of the
-/// water: neither phase bears it. Over the weight.
+/// Force that ties the soil to the predicted motion in the first pass of a window, over the weight. Without the part
+/// that is inertia of the water; the rest acts on neither phase.
 template <int D>
 double unborne(const Particles<D>& p, const Tracking<D>& tracking, double reference) {
   const Drive<D>& drive = tracking.drive;
@@ -99,8 +99,8 @@ double unborne(const Particles<D>& p, const Tracking<D>& tracking, double refere
   return over_weight(p, drive, force, reference);
 }
 
-/// The force that the soil's remaining departure from the predicted motion would need in a repeated window: inertia,
-/// and the water's impedance (docs/theory/coupling.md, section 3). Over the weight (rms).
+/// The force, over the weight (rms), that the soil's remaining departure from the predicted motion would need in a
+/// repeated window: inertia, and the water's impedance (docs/theory/coupling.md, section 3).
 template <int D>
 double departure_from(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                       State<D>& state) {
@@ -127,8 +127,8 @@ double departure_from(const Setup<D>& setup, double interval, const Tracking<D>&
 template <int D>
 const Stiffness<D>& QuasiStaticWindow<D>::stiffness_with(const Setup<D>& setup, const ScalarArray& resistance,
                                                          State<D>& state) {
-  // The resistance that a window adds matters where it is not small against the stiffness of the slowest mode, c^2 (pi
-  // / 2 H)^2 m.
+  // The resistance that a window adds matters only if it is not small compared with the stiffness of the slowest mode,
+  // c^2 (pi / 2 H)^2 m.
   const Particles<D>& p = state.particles;
   const double slowest = std::pow(0.5 * near_critical_damping(setup), 2);
   ScalarArray& held = state.resistance;
@@ -175,7 +175,7 @@ void QuasiStaticWindow<D>::compare_with_field(const Setup<D>& setup, const coupl
     const double predicted = modulus * porous::predicted_modulus(setup.soils[p.material[i]].poissons_ratio, D, again);
     const double foreseen = (again ? found_strain_[i] : 0.0) +
                             (state.external.pressure[i] - (again ? found_pressure_[i] : water.before[i])) / predicted;
-    // Over the soil's height, the pressure that responds to the strain not foreseen is a force. It is less where it
+    // The pressure that responds to unforeseen strain is a force over the soil's height. It is smaller where water
     // drains.
     const double pores = void_fraction(setup, p, i), height = setup.height;
     const double resistance =
@@ -200,21 +200,21 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   Particles<D>& p = state.particles;
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
-  // With water that has no inertia the soil has none either, and its equilibrium does not depend on time.
+  // With water that has no inertia the soil has none either: its equilibrium does not depend on time.
   const bool inert = !setup.water.is_field;
   const Drive<D>& tracking = tracked.drive;
   const std::vector<WaterAnswer>& answers = tracked.answers;
   const VecArray<D> start = p.displacement, velocity = p.velocity;
-  const Vec<D> from_outside = state.from_outside;  // trial displacements do not count
+  const Vec<D> from_outside = state.from_outside;  // kept, since trial displacements do not count
   const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> by_water(n);  // N
-  // Dilation is resisted by an isotropic stress: a modulus times the departure of the volumetric strain from the
-  // predicted one.
+  // An isotropic stress resists dilation: a modulus times the difference of the volumetric strain from the predicted
+  // strain.
   const ScalarArray volume = p.volume;
   const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking, state);
   const std::vector<PlateOrder<D>> orders = orders_at(setup.plates, end);
   const std::vector<PlateMotion<D>> plates_before = p.plates;
-  if (!setup.plates.empty()) state.external.pressure_gradient = water.to;  // the plates bear the pressure at the end
+  if (!setup.plates.empty()) state.external.pressure_gradient = water.to;  // plates bear the pressure at the end
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     drive.plates = orders;
     if (rebuilt && !setup.loads.empty()) drive.traction = load_forces<D>(setup, state, end - 1e-9 * std::abs(end));
@@ -238,7 +238,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   for (auto& plate : p.plates) plate.velocity.setZero();
   if (!answers.empty() || !setup.plates.empty()) evaluate_forces(setup, state);
   ScalarArray resistance(p.free());
-  // Small springs for soil without inertia: the preconditioner needs them where no wall fixes the soil.
+  // Weak springs for soil without inertia: the preconditioner needs them if no wall fixes the soil.
   const double held = statics::held_by_nothing * near_critical_damping(setup);
   for (std::size_t i = 0; i < p.free(); ++i)
     resistance[i] = inert ? (p.mass[i] / interval + tracking.tracking[i]) / interval : p.mass[i] * held * held;
@@ -250,19 +250,19 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
                                     statics::negligible_unrest;
   const bool pushed =
       plates_move(setup, state, drive, statics::elastic_error, reference_acceleration(setup, state, drive));
-  bool moved = false, evaluate = !answers.empty();  // the forces are to be evaluated once the search is over
+  bool moved = false, evaluate = !answers.empty();  // `evaluate`: forces are to be evaluated after the search
   if (!asleep || pushed) {
     const EquilibriumSearch search{
         setup.can_yield ? statics::plastic_error : statics::elastic_share * statics::elastic_error, sleep::local_share,
         statics::woken_by};
-    // The search's viscosity acts on velocities over at least the time of a wave, however short the window is.
+    // However short the window is, the search's viscosity acts on velocities over at least the time of a wave.
     const double way = inert ? interval : std::max(interval, long_window(setup));
     RestReport report = find_equilibrium(setup, stiffness, search, way, state, external);
     if (!report.reached() && setup.can_yield) {
       const std::size_t tried = report.steps;
       const RestSearch until{sleep::restless, statics::most_ways, statics::most_ways, sleep::local_share,
                              statics::farthest * setup.spacing};
-      // Soil that nothing supports diverges in the search: that is no rest either.
+      // Soil that nothing supports diverges in the search: it is not at rest either.
       try {
         report = find_rest<D>(setup, until, state, external, [](const RestReport&) {});
       } catch (const DivergedError&) {
@@ -270,7 +270,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
       }
       report.steps += tried;
     }
-    // Creep that is limited by water reaches an equilibrium in a shorter window, in which less of it happens.
+    // Creep limited by water reaches an equilibrium in a shorter window, in which there is less creep.
     const double shorter = steps::without_equilibrium * interval;
     if (!report.reached() && shorter > long_window(setup)) {
       fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
@@ -313,18 +313,18 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   count_pulls(setup, state);
   for (std::size_t k = 0; k < p.plates.size(); ++k)
     p.plates[k].velocity = (p.plates[k].displacement - plates_before[k].displacement) / interval;
-  // Backward Euler removes the kinetic energy of the change of velocity. It does not matter below the velocity that a
-  // noticeable acceleration causes in the time that a wave takes through the soil and back.
+  // Backward Euler removes the kinetic energy of the change of velocity. This does not matter at velocities below that
+  // which a noticeable acceleration causes while a wave passes through the soil and back.
   const double reference = reference_acceleration(setup, state, drive);
   const double slow = statics::woken_by * reference * long_window(setup);
-  double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // and by the work of the stress
+  double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // and by the work of the stress, added below
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state.force[i].internal().dot(p.displacement[i] - start[i]));
   if (setup.water.is_field)
     compare_with_field(setup, window, water, volume, reference, state);
   else
     compare_with_prediction(setup, interval, tracked, reference, state);
-  // A departure that is left to the next pass is no motion of the soil's own.
+  // A departure that is left to the next pass is not a motion of the soil itself.
   const bool settled = answers.empty() || unsettled_ <= setup.coupling.settled_below;
   if (inert && settled && inertia_matters<D>(setup.domain, p, velocity, work, slow))
     return {Outcome::reject(followed_window(setup), "the soil moves: inertia matters"), {.moves = true, .longest = {}}};
@@ -344,7 +344,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   }
   store_water_force(setup, water.to, water.impulse, interval, state);
   state.time = end;
-  // Where nothing moved the points keep their revision.
+  // If nothing has moved, the points keep their revision.
   if (moved || !setup.coupling.keep_points) ++state.revision;
   return {Outcome::accept(), {}};
 }

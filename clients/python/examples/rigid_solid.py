@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A rigid skeleton in the place of the solid, for poretwin's own fluid.
+"""A rigid skeleton in place of poretwin's solid solver; the fluid solver is poretwin's own.
 
     poretwin run clients/python/examples/seepage.toml --solid "python3 clients/python/examples/rigid_solid.py"
 
@@ -42,7 +42,7 @@ class RigidSolid(poretwin.Phase):
             "hydraulic_conductivity": of_soil("hydraulic_conductivity", 1e-4),
             "returned_impulse": still,
         }
-        self.taken = np.zeros(self.dimension)  # N s, sum of all drag received
+        self.taken = np.zeros(self.dimension)  # N s, sum of all drag impulses received
 
     def publish(self):
         return poretwin.Publication(self.points, self.fields)

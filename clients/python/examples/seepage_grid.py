@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Steady seepage by finite differences in the place of the fluid, for poretwin's own solid: a grid of nodes instead of particles.
+"""Steady seepage by finite differences in place of poretwin's fluid solver: a grid of nodes instead of particles. The solid
+solver is poretwin's own.
 
     poretwin run clients/python/examples/seepage.toml --fluid "python3 clients/python/examples/seepage_grid.py"
 
 Solves div(k grad h) = 0 for the head h [m] at the nodes of a rectangular grid over the soil; the conductivity k [m/s] comes from
 the solid, mapped to the nodes. The case's water faces prescribe h; all other sides are impermeable. The pore pressure is
-p = rho_w g (h - z), with the elevation z; the drag on the skeleton per volume is the rest of the water's weight and pressure
-gradient, n (rho_w g - grad p), with the porosity n.
+p = rho_w g (h - z), with the elevation z and the density rho_w of water. The drag on the skeleton per volume balances weight and
+pressure gradient of the water: it is n (rho_w g - grad p), with the porosity n.
 The water does not respond to the skeleton: the seepage is steady, the predicted velocity of the skeleton is zero, and the
 impulse that the solid returns is ignored.
 """
@@ -70,7 +71,7 @@ class SeepageGrid(poretwin.Phase):
         for axis in (0, 1):
             a = np.moveaxis(index, axis, 0)[:-1].ravel()
             b = np.moveaxis(index, axis, 0)[1:].ravel()
-            # Width of the face between two nodes, in steps: one half on the rim.
+            # Width of the cross-section between two nodes, in grid steps: one half at the rim of the grid.
             across = np.ones(self.shape[1 - axis])
             across[[0, -1]] = 0.5
             width = np.tile(across * self.step[1 - axis], self.shape[axis] - 1)

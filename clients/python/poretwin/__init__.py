@@ -1,4 +1,5 @@
-"""A solver for a coupled run, in Python. Needs pyzmq, protobuf and numpy (in the source tree, protoc as well). docs/protocol.md describes the messages."""
+"""Library for a solver in Python that takes part in a coupled run. Needs pyzmq, protobuf and numpy (in the source tree, protoc as well).
+docs/protocol.md describes the messages."""
 
 from .case import Case
 from .participant import PeerError, main

@@ -43,15 +43,15 @@ class Case:
 
     @property
     def gravity(self) -> list[float]:
-        """m/s2; as in the case, or downwards along the last axis."""
+        """Gravity [m/s2]: as in the case, by default 9.81 m/s2 downwards along the last axis."""
         given: list[float] | None = self.get("case.gravity")
         return given if given is not None else [0.0] * (self.dimension - 1) + [-9.81]
 
     def soil_points(self, spacing: float, smoothing_per_spacing: float = 1.3) -> tuple[Points, np.ndarray]:
         """Lattice points of every box of soil, and for each point the index of its soil.
 
-        Behind a side of a box that lies on a wall the lattice continues by four spacings, as ghosts: without them the wall would
-        look like the soil's surface.
+        Where a side of a box lies on a wall, the lattice continues behind the wall by four spacings. These points are ghosts,
+        which give fields but receive none. Without them the fluid solver would take the wall for the soil's surface.
         """
         active: list[tuple[np.ndarray, int]] = []
         ghosts: list[tuple[np.ndarray, int]] = []

@@ -1,4 +1,5 @@
-"""The client through which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
+"""The client through which a phase takes part in a coupled run. It does the handshake, carries out the coupler's commands within
+deadlines, and sends heartbeats."""
 
 from __future__ import annotations
 
@@ -43,7 +44,7 @@ def log(line: str) -> None:
 
 
 class Line:
-    """The DEALER socket. The phase's thread and the heartbeats use it under one lock."""
+    """The connection to the coupler, a DEALER socket. The phase's thread and the thread of the heartbeats use it under one lock."""
 
     def __init__(self, address: str) -> None:
         self.context = zmq.Context()
@@ -68,7 +69,7 @@ class Line:
     def send(self, frames: list[Any]) -> None:
         """Sends frames; the caller must have the lock."""
         self.socket.send_multipart(frames, copy=True)
-        # Sending also reads pending events, and so consumes the signal for which receive() may be waiting.
+        # Sending also reads pending events of the socket, and so consumes the signal for which receive() may be waiting.
         if int(self.socket.get(zmq.EVENTS)) & zmq.POLLIN:
             self.wake()
 
@@ -96,7 +97,7 @@ class Line:
                     self.open = True
                 elif self.open:
                     self.lost = True
-            return self.take()  # the other end's last message arrived before its closing
+            return self.take()  # once the connection is closed, the coupler's last message may still be in the queue
 
     def take(self) -> list[bytes] | None:
         with contextlib.suppress(zmq.Again):
@@ -161,7 +162,8 @@ class Participant:
     # Receiving
 
     def next(self, deadline: float, silence: bool) -> tuple[str, Any, dict[str, np.ndarray]]:
-        """The next message that is no heartbeat. `silence`: the deadline counts from the last sign of life."""
+        """The next message that is no heartbeat: kind, header, arrays. silence: whether the deadline [s] counts from the last message of
+        any kind, not from the call."""
         start = said = time.monotonic()
         while True:
             frames = self.line.receive(100)
@@ -273,7 +275,7 @@ class Participant:
 
 
 class Record:
-    """OUT/gauges.ROLE.csv. Readings are written once the window to which they belong is certain to be final."""
+    """The file OUT/gauges.ROLE.csv. Values are written only once it is certain that their window will not be repeated."""
 
     def __init__(self, out: Path, role: str, resume: bool = False) -> None:
         self.path = out / f"gauges.{role}.csv"
@@ -296,7 +298,8 @@ class Record:
 
 
 class Checkpoints:
-    """OUT/checkpoints/ROLE-NAME.state. Such a file is always complete: a checksum, then data (state.py)."""
+    """The files OUT/checkpoints/ROLE-NAME.state. A file consists of a checksum and the data (state.py). A file with this name is always
+    complete, since it is renamed to it only after it has been written."""
 
     def __init__(self, out: Path, role: str) -> None:
         self.folder, self.role = out / "checkpoints", role
@@ -334,7 +337,7 @@ class Checkpoints:
         os.close(folder)
 
     def read(self, name: str) -> Any:
-        """The content that write() stored. Raises PeerError where the file is of another kind."""
+        """The content that write() stored. Raises PeerError where the file contains something else."""
         try:
             return state.load(self.path(name).read_bytes()[32:])
         except state.StateError as error:
@@ -410,7 +413,8 @@ def drive(phase: Phase, participant: Participant, record: Record, counts: dict[s
 
 
 def main(role: str, make_phase: Callable[[Case], Phase]) -> int:
-    """The whole main of a solver. make_phase(case) makes the phase. Takes the arguments that `poretwin run` passes."""
+    """The main function of a solver; returns the exit code. make_phase(case) makes the phase. The command-line arguments are those that
+    `poretwin run` passes."""
     parser = argparse.ArgumentParser(description=f"A {role} for poretwin.")
     parser.add_argument("--connect", required=True, metavar="ADDRESS", help="ipc:///path or tcp://host:port")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
@@ -439,7 +443,7 @@ def main(role: str, make_phase: Callable[[Case], Phase]) -> int:
         code = 130 if reason == "interrupted" else 0
     except PeerError as error:
         code, reason = error.code, str(error)
-    except Exception as error:  # whatever the phase raised: all must be informed
+    except Exception as error:  # raised by the phase: the other processes must be informed
         code, reason = 1, f"{type(error).__name__}: {error}"
         participant.leave("abort", reason, code)
     participant.close()

@@ -1,4 +1,4 @@
-"""What a phase publishes and receives, independent of any transport."""
+"""The base class of a solver, and the data that a solver (a phase) publishes and receives, independent of any transport."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ from .contract import STANDARD
 
 @dataclass(frozen=True)
 class Field:
-    """One field of the contract."""
+    """One field of the contract, which is the list of exchanged fields."""
 
     name: str
     unit: str  # SI
     components: int = 1  # 1, or the dimension
-    # "consistent": interpolated; "nearest": interpolated, but the nearest point's value at jumps; "conservative": an amount,
-    # distributed so that its sum is kept
+    # How values get from the giver's points to the receiver's. "consistent": interpolated; "nearest": interpolated, but where the
+    # values jump, that of the nearest point; "conservative": an amount that is distributed so that its sum is kept.
     mapping: str = "consistent"
-    mask: str = ""
-    in_time: bool = False  # in takes(), consistent fields: also receive the values at the window's start
+    mask: str = ""  # field that weights this field in the mapping; "": none
+    in_time: bool = False  # for consistent fields in takes(): also receive the values at the window's start
 
 
 def standard_fields(role: str, dimension: int) -> list[Field]:
-    """The fields that a role gives by the standard contract; role "field": a fluid whose water is a field. It takes what the other gives."""
+    """The fields that a role gives by the standard contract. Roles are "fluid", "solid" and "field"; "field" is a fluid solver whose water
+    is a continuous field, not particles."""
     return [
         Field(name, unit, dimension if vector else 1, mapping, mask)
         for name, unit, vector, mapping, mask in STANDARD[role]
@@ -36,14 +37,14 @@ def standard_fields(role: str, dimension: int) -> list[Field]:
 
 @dataclass
 class Points:
-    """The points at which fields are given. The first n_active also receive fields; the others are ghosts."""
+    """The points at which a phase gives fields. The first n_active points also receive fields; the others are ghosts, which only give."""
 
     position: np.ndarray  # [n, dimension] m
     volume: np.ndarray  # [n] m^dimension
     smoothing_length: np.ndarray  # [n] m; the kernel of a point reaches twice this length
     n_active: int = -1  # -1: all
-    owner: np.ndarray = field(default_factory=lambda: np.empty(0))  # [n] the active point a ghost is an image of; -1: none
-    revision: int = 0  # change it with any of the arrays above
+    owner: np.ndarray = field(default_factory=lambda: np.empty(0))  # [n] active point whose image a ghost is; -1: none
+    revision: int = 0  # must be changed whenever an array above changes
 
     def __post_init__(self) -> None:
         n = len(self.volume)
@@ -61,31 +62,31 @@ class Publication:
     """A phase's state at the end of a window, as the other phase receives it."""
 
     points: Points
-    fields: dict[str, np.ndarray]  # name -> [n] or [n, components]; missing fields are zero
+    fields: dict[str, np.ndarray]  # name -> [n] or [n, components]; fields that are left out are zero
     proposed_interval: float = float("inf")  # s, longest next window that is stable and accurate
-    limited_by: str = ""
+    limited_by: str = ""  # what limits proposed_interval
 
 
 @dataclass
 class Inbox:
-    """The other phase's fields at this phase's active points; zero where coverage is zero."""
+    """The other phase's fields at this phase's active points. Where the coverage is zero, so are the fields."""
 
-    coverage: np.ndarray  # [n_active] 1 inside the other's cloud, about 0.5 on its edge, 0 outside
-    asymmetry: np.ndarray  # [n_active] offset of the other's centre in smoothing lengths: 0 inside, 0.47 on a flat edge
+    coverage: np.ndarray  # [n_active] kernel sum of the other's points: 1 inside these points, about 0.5 on their edge, 0 outside
+    asymmetry: np.ndarray  # [n_active] distance of their centre of mass in smoothing lengths: 0 inside, 0.47 on a flat edge
     fields: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.fields[name]
 
     def between(self, name: str, share: float) -> np.ndarray:
-        """Values within the window, linear in time between its start (share 0) and its end (share 1), of a field with `in_time`."""
+        """Values of a field with `in_time` within the window: linear in time between its start (share 0) and its end (share 1)."""
         start = self.fields.get(name + "@start")
         return self.fields[name] if start is None else (1.0 - share) * start + share * self.fields[name]
 
 
 @dataclass(frozen=True)
 class Window:
-    """One time window of the exchange."""
+    """A window: one time step of the exchange."""
 
     step: int
     time: float  # s, start
@@ -93,7 +94,7 @@ class Window:
 
 
 class Refused(Exception):
-    """Raised by Phase.advance: the window is too long."""
+    """Raised by Phase.advance where the window is too long. The coupler then takes a shorter one."""
 
     def __init__(self, suggested_interval: float, reason: str) -> None:
         super().__init__(reason)
@@ -108,11 +109,11 @@ class Phase:
     _saved: Any = None
 
     def gives(self) -> list[Field]:
-        """The fields that it publishes; by default the standard ones of its role."""
+        """The fields that this phase publishes; by default the standard fields of its role."""
         return standard_fields(self.role, self.dimension)
 
     def takes(self) -> list[Field]:
-        """The fields that it receives from the other phase; by default the standard ones."""
+        """The fields that this phase receives from the other phase; by default the standard fields of the other phase."""
         return standard_fields("solid" if self.role == "fluid" else "fluid", self.dimension)
 
     def publish(self) -> Publication:
@@ -123,11 +124,11 @@ class Phase:
         """Called once, with the other phase's fields at time zero."""
 
     def advance(self, window: Window, inbox: Inbox) -> None:
-        """Advances by one window; raises Refused where it is too long."""
+        """Advances by one window; raises Refused where the window is too long."""
         raise NotImplementedError
 
     def save(self) -> None:
-        """Stores the complete state; restore() returns to it, any number of times."""
+        """Stores the complete state in memory. restore() returns to this state, any number of times."""
         self._saved = None
         self._saved = copy.deepcopy(self.__dict__)
 
@@ -138,8 +139,8 @@ class Phase:
         self._saved = saved
 
     def state(self) -> bytes:
-        """The complete state as bytes, for a checkpoint; resume() restores it in a new phase. A phase with attributes that are not
-        data (state.py lists what is) must override state() and resume(), and store no code either."""
+        """The complete state as bytes, for a checkpoint; resume() restores it in a new phase. A phase with attributes that state.dump()
+        cannot store must override state() and resume(). It must not store code either."""
         from . import state
 
         return state.dump({name: value for name, value in self.__dict__.items() if name != "_saved"})
@@ -151,12 +152,12 @@ class Phase:
         self.__dict__ = state.load(data)
 
     def gauges(self) -> dict[str, tuple[float, str]]:
-        """Readings for gauges.csv: name -> (value, unit)."""
+        """Values at the current time for gauges.csv: name -> (value, unit)."""
         return {}
 
 
 def lattice(lower: npt.ArrayLike, upper: npt.ArrayLike, spacing: float, smoothing_per_spacing: float = 1.3) -> Points:
-    """Points of a square lattice that fills a box, half a spacing from its sides."""
+    """Points of a square lattice that fills a box; the outermost points lie half a spacing inside its sides."""
     axes = [np.arange(round((b - a) / spacing)) * spacing + a + 0.5 * spacing for a, b in zip(np.asarray(lower, float), np.asarray(upper, float))]
     position = np.stack([c.ravel() for c in np.meshgrid(*axes, indexing="ij")], axis=-1)
     n = len(position)

@@ -1,5 +1,5 @@
-"""A phase's state as bytes and back, as data only. Unlike a pickle it cannot contain code, so that a file from a stranger can do
-no more than hold wrong numbers.
+"""Converts the state of a phase to bytes and back. The bytes contain data only. Unlike a pickle they cannot contain code, so that a
+file from an untrusted source can do no harm beyond wrong numbers.
 
 Format: MAGIC, the length of a JSON text, the text, then the arrays to which it refers, little-endian, one after the other."""
 
@@ -18,11 +18,12 @@ POINTS = ("position", "volume", "smoothing_length", "n_active", "owner", "revisi
 
 
 class StateError(ValueError):
-    """A value that cannot be stored as data, or bytes that are no such data."""
+    """Raised for a value that cannot be stored as data, and for bytes that dump() did not make."""
 
 
 def dump(value: Any) -> bytes:
-    """Bytes of a value: None, bool, int, float, str, bytes, lists, tuples, dicts with keys of text, arrays of numbers, Points."""
+    """The bytes of a value. Allowed are None, bool, int, float, str, bytes, lists, tuples, dicts whose keys are str, arrays of numbers
+    and Points."""
     arrays: list[bytes] = []
     size = 0
 
@@ -37,7 +38,7 @@ def dump(value: Any) -> bytes:
         if value is None or isinstance(value, (bool, int, str)) and not isinstance(value, np.generic):
             return value
         if isinstance(value, float) and not isinstance(value, np.generic):
-            return {"float": value.hex()}  # every bit; also infinities and NaN
+            return {"float": value.hex()}  # exact, and also possible for infinities and NaN
         if isinstance(value, (np.ndarray, np.generic)) and np.asarray(value).dtype.kind in "biuf":
             return array(np.asarray(value)) | {"scalar": isinstance(value, np.generic)}
         if isinstance(value, bytes):
@@ -56,7 +57,7 @@ def dump(value: Any) -> bytes:
 
 
 def load(data: bytes) -> Any:
-    """The value of bytes from dump(). Raises StateError for all others."""
+    """The value whose bytes dump() made. Raises StateError for other bytes."""
     start = len(MAGIC) + 8
     if data[:len(MAGIC)] != MAGIC or len(data) < start:
         raise StateError("not a state of this program: it does not begin as one")
@@ -93,5 +94,5 @@ def load(data: bytes) -> Any:
         return value_of(json.loads(data[start:base]))
     except StateError:
         raise
-    except Exception as error:  # anything that a wrong text can cause above
+    except Exception as error:  # a damaged text can cause any exception above
         raise StateError(f"damaged: {type(error).__name__}: {error}") from error

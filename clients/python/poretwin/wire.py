@@ -1,6 +1,6 @@
-"""Messages as bytes: one protobuf header and one raw frame per array. The description of the messages, compiled from proto/poretwin.proto
-by protoc, is installed beside this file. In the source tree there is none: importing this module runs protoc and keeps the description in
-memory, so that it always belongs to the present poretwin.proto."""
+"""Converts messages to bytes and back: one protobuf header and one raw frame per array. In an installation the description of the
+messages, compiled from proto/poretwin.proto by protoc, lies beside this file. In the source tree no such description exists: importing
+this module runs protoc and keeps the description in memory, so that it always belongs to the present poretwin.proto."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ pb = _load()
 
 
 class WireError(Exception):
-    """A received message that does not follow this protocol."""
+    """Raised for a received message that does not follow the protocol."""
 
 
 def add_array(header: Any, frames: list[Any], name: str, unit: str, values: npt.ArrayLike) -> None:
@@ -63,7 +63,7 @@ def encode(header: Any, frames: Iterable[Any] = ()) -> list[Any]:
 
 
 def decode(frames: list[bytes]) -> tuple[Any, dict[str, np.ndarray]]:
-    """Header and {name: values}. Sizes are checked before the values are read."""
+    """The header of a message, and its arrays as {name: values}. Sizes are checked before the values are read."""
     header = pb.Header()
     try:
         header.ParseFromString(bytes(frames[0]))
