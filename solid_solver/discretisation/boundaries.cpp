@@ -150,8 +150,8 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_r
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
     typename sph::Sight<D>::Near walls;
     for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
+      // Also where no wall is near: an image by both sides of a line lies where the particle itself does.
       sight.find_near(position[i], reach, walls);
-      if (walls.empty()) continue;
       for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
         const Index j = pairs.index[m];
         // The order is the same for both particles of a pair, and so is the result.

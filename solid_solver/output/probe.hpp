@@ -41,7 +41,7 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
     const double weight = state.particles.volume[parent] * sph::WendlandC2<D>::value(r.norm(), h);
     if (weight <= 0.0) continue;
     // Past thin walls only particles contribute, not images, and only where no wall hides them.
-    if (!walls.empty() && (rule || !sight.open(x, position, walls))) continue;
+    if (sight.limited() && (rule || !sight.open(x, position, walls))) continue;
     cover += weight;
     if (rule && (reach == Reach::material || rule->slips || rule->moves) && !rule->periodic) continue;
     Basis basis;
