@@ -466,6 +466,7 @@ end_time = 1
 model = "elastic"
 particle_spacing = 0.05
 [[soil]]
+min = [0, 0]
 max = [0.5, 0.6]
 [[soil]]
 min = [0.5, 0]
@@ -481,8 +482,8 @@ soil = "roller"
   EXPECT_THAT(complaint(changed(bin, "[[0.5, 1], [0.5, 0]]", "[[0.475, 1], [0.475, 0]]")),
               HasSubstr("wall[1], which runs through it; expected rows half a spacing from the line: draw one soil"));
   const std::string water = "[fluid]\nparticle_spacing = 0.05\n[[fluid.region]]\n";
-  EXPECT_THAT(complaint(bin + water + "max = [0.5, 0.6]\n"),
-              HasSubstr("key 'wall[1]': runs through a [[soil]], for example at [0.5, 0.4"));
+  EXPECT_THAT(complaint(bin + water + "min = [0, 0]\nmax = [0.5, 0.6]\n"),
+              HasSubstr("key 'wall[1]': runs through a [[soil]], for example at [0.5, 0."));
   const std::string slot = changed(bin, "min = [0.5, 0]", "min = [0.6, 0]");
   const std::string around = "[[0.5, 0], [0.5, 1], [0.6, 1], [0.6, 0]]";
   EXPECT_EQ(complaint(changed(slot, "[[0.5, 1], [0.5, 0]]", around)), "no complaint");

@@ -28,20 +28,17 @@ Soil box(double from, double to, double height) {
   return soil;
 }
 
-/// A bin of 1 m with a partition in its middle of the given thickness, 0 for a line, whose lower end is `tip` above the
-/// floor.
+/// A bin of 1 m with soil on both sides of a partition in its middle. thickness: 0 for a line, whose lower end is `tip`
+/// above the floor.
 Case bin(double thickness, double tip, double left, double right) {
   Case scene = test::column({.spacing = dx});
   const double a = 0.5 - 0.5 * thickness, b = 0.5 + 0.5 * thickness;
   scene.walls = {roller({{0.0, 1.0}, {0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}})};
   if (thickness == 0.0)
     scene.walls.push_back(roller({{0.5, 1.0}, {0.5, tip}}));
-  else if (tip == 0.0)
-    scene.walls.push_back(roller({{a, 0.0}, {a, 1.0}, {b, 1.0}, {b, 0.0}}));
   else
-    scene.walls.push_back(roller({{b, 1.0}, {b, tip}, {a, tip}, {a, 1.0}}));
+    scene.walls.push_back(roller({{a, 0.0}, {a, 1.0}, {b, 1.0}, {b, 0.0}}));
   scene.soils = {box(0.0, a, left), box(b, 1.0, right)};
-  if (thickness > 0.0 && tip > 0.0) scene.soils.push_back(box(a, b, tip));
   return scene;
 }
 
@@ -86,18 +83,14 @@ TEST(ThinWallInSoil, KeepsTwoSidesApartWhateverItsThickness) {
   }
 }
 
-// A smooth pile in level ground changes nothing: neither along it nor at its tip.
+// A smooth sheet pile in level ground changes nothing: neither along it nor at its tip.
 TEST(ThinWallInSoil, ASheetPileInLevelGroundLeavesItsStress) {
-  for (const double thickness : {0.0, dx}) {
-    Solid<2> solid(bin(thickness, 0.3, 0.6, 0.6));
-    solid.initialise({});
-    test::run_dry(solid, 0.2, 0.02);
-    const double error = error_at_rest(solid, 0.6, 0.6);
-    std::printf("thickness %g: stresses %.4f of the weight off\n", thickness, error);
-    if (thickness == 0.0) {
-      EXPECT_LT(error, 0.02);
-    }
-  }
+  Solid<2> solid(bin(0.0, 0.3, 0.6, 0.6));
+  solid.initialise({});
+  test::run_dry(solid, 0.2, 0.02);
+  const double error = error_at_rest(solid, 0.6, 0.6);
+  std::printf("stresses %.4f of the weight off\n", error);
+  EXPECT_LT(error, 0.02);
 }
 
 // Sand that slumps against a partition one spacing thick stays on its side of it.
