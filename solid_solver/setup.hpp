@@ -133,10 +133,10 @@ double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::
   return 1.0 - setup.grain_share[particles.material[i]] * solid_fraction(setup, particles, i);
 }
 
-/// Degree of saturation and void ratio of a particle, on which the constitutive models depend.
+/// Conditions of a particle whose stress is brought back to what its soil can carry, without a strain.
 template <int D>
-Condition condition(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
-  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0};
+Condition at_once(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
+  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0, 0.0};
 }
 
 /// Elastic moduli of a particle in its present state.

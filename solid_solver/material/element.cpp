@@ -88,11 +88,11 @@ struct Element::Control {
   static constexpr int xx = 0, yy = 1, zz = 2, xy = 3, last = 3;
 };
 
-void Element::strain_by(const LaboratoryTest& test, double step) {
+void Element::strain_by(const LaboratoryTest& test, double step, double duration) {
   Control control(test, start_);
   control.strain(Control::last, test.shears ? Control::xy : Control::yy) = test.shears ? 2.0 : 1.0;
   control.value[Control::last] = step;
-  follow(control);
+  follow(control, duration);
 }
 
 void Element::load_to(const LaboratoryTest& test, double target) {
@@ -100,11 +100,11 @@ void Element::load_to(const LaboratoryTest& test, double target) {
   control.stress(Control::last, test.shears ? Control::xy : Control::yy) = 1.0;
   if (test.undrained && !test.shears) control.stress(Control::last, Control::xx) = -1.0;
   control.value[Control::last] = target;
-  follow(control);
+  follow(control, std::numeric_limits<double>::infinity());
 }
 
-void Element::follow(const Control& control) {
-  const Condition condition{saturation_, void_ratio()};
+void Element::follow(const Control& control, double duration) {
+  const Condition condition{saturation_, void_ratio(), duration};
   Tensor stress;
   std::vector<double> state;
   double plastic = 0.0;
