@@ -82,7 +82,7 @@ ElementResult run_element(const ElementOptions& options) {
   solid::Tensor start = solid::Tensor::Zero();
   start[1] = -options.pressure;
   start[0] = start[2] = -options.ratio * options.pressure;
-  Element sample(soil, *model, start);
+  Element sample(soil, *model, start, scene.water.density * scene.water.kinematic_viscosity);
 
   ElementResult result;
   result.names = {"axial_strain",

@@ -45,6 +45,7 @@ struct WaterSetup {
   std::vector<WaterFace> faces;          ///< water faces of a field: the pressure behind them acts on the soil
   int dimension = 2;                     ///< dimension of the case's regions
   Point3 gravity = Point3::Zero();       ///< m/s2
+  [[nodiscard]] double dynamic_viscosity() const { return density * kinematic_viscosity; }  ///< Pa s
   [[nodiscard]] bool is_prescribed() const { return !prescribed.empty(); }
 };
 
@@ -136,7 +137,7 @@ double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::
 /// Conditions of a particle whose stress is brought back to what its soil can carry, without a strain.
 template <int D>
 Condition at_once(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
-  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0, 0.0};
+  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0, 0.0, setup.water.dynamic_viscosity()};
 }
 
 /// Elastic moduli of a particle in its present state.

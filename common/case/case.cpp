@@ -910,9 +910,8 @@ void take_paper_defaults(Case& c) {
 }
 
 /// Sets the members of a soil that follow from other keys.
-void complete(Soil& soil, const Water& water, double spacing) {
+void complete(Soil& soil, double spacing) {
   soil.band_width = band_width * spacing;
-  soil.water_viscosity = water.density * water.kinematic_viscosity;
   if (!soil.undrained_strength) return;
   soil.cohesion = *soil.undrained_strength;
   soil.friction_angle = soil.dilation_angle = 0.0;
@@ -1014,7 +1013,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
-  for (Soil& soil : scene.soils) complete(soil, scene.water, scene.solid.particle_spacing);
+  for (Soil& soil : scene.soils) complete(soil, scene.solid.particle_spacing);
   make_solids(scene, places);
   move_to_origin(scene);
   if (scene.fluid.representation == FluidCase::Representation::automatic) choose_representation(scene, places);

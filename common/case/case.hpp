@@ -151,7 +151,6 @@ struct Soil {
   std::optional<double> residual_cohesion, residual_friction_angle, residual_dilation_angle;
   std::optional<double> softening_slip;    ///< m, slip across a shear band at which the residual strength is reached
   double band_width = 0.0;                 ///< m, width of a shear band; not a key of the case
-  double water_viscosity = 0.0;            ///< Pa s, dynamic viscosity of the water; not a key of the soil
   double stiffness_exponent = 0.0;         ///< m in E = E_ref (p' / reference_pressure)^m, p': mean stress
   double reference_pressure = 1e5;         ///< Pa, at which `youngs_modulus` holds
   double least_pressure = 1e3;             ///< Pa, pressure below which the stiffness falls no further

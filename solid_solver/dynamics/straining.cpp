@@ -20,6 +20,7 @@ void follow(const Setup<D>& setup, double dt, double duration, const State<D>& s
       const Index* const i = &batch.who[q * n_lanes];
       Four& four = batch.fours[q];
       four.duration = duration;
+      four.viscosity = setup.water.dynamic_viscosity();
       Lanes gradient[D * D], turning[6];
       gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
       take_stresses(p.stress, i, four.stress);

@@ -30,13 +30,14 @@ const LaboratoryTest& laboratory_test(std::string_view name) {
   throw CaseError(fmt::format("test \"{}\": expected one of {}", name, names));
 }
 
-Element::Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress)
+Element::Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress, double viscosity)
     : model_(model),
       start_(stress),
       stress_(stress),
       state_(model.state_size()),
       initial_void_ratio_(soil.porosity / (1.0 - soil.porosity)),
-      saturation_(soil.initial_saturation) {
+      saturation_(soil.initial_saturation),
+      viscosity_(viscosity) {
   model.initial(stress, state_);
 }
 
@@ -104,7 +105,7 @@ void Element::load_to(const LaboratoryTest& test, double target) {
 }
 
 void Element::follow(const Control& control, double duration) {
-  const Condition condition{saturation_, void_ratio(), duration};
+  const Condition condition{saturation_, void_ratio(), duration, viscosity_};
   Tensor stress;
   std::vector<double> state;
   double plastic = 0.0;

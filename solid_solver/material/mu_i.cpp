@@ -34,8 +34,8 @@ struct MuI::Flow {
 
   /// Sets pressure and ratio. The pressure p = p_trial + bulk modulus times tan psi x depends on itself through J and
   /// I: with w = sqrt(p) and sqrt(J) + b I = g / w it is the positive root of w^3 + g w^2 + (A phi_c - B) w - B g,
-  /// where A = bulk modulus times K x and B = p_trial + A phi. The cubic is convex, so that Newton's iteration falls to
-  /// the root from above; it starts from the last root, or from sqrt(B), which lies above the new one.
+  /// where A = bulk modulus times K_psi x and B = p_trial + A phi. The cubic is convex, so that Newton's iteration
+  /// falls to the root from above; it starts from the last root, or from sqrt(B), which lies above the new one.
   void at(double x) {
     const double a = moduli.bulk * soil.dilatancy_ * x, b = trial_pressure + a * solid_fraction;
     double w = std::sqrt(pressure);
@@ -121,7 +121,8 @@ Material MuI::row() {
        {"dilatancy",
         0.0,
         {"",
-         "K: tangent of the dilation angle over the excess of the solid fraction, tan psi = K (phi - phi_eq); 0: the "
+         "K_psi: tangent of the dilation angle over the excess of the solid fraction, tan psi = K_psi (phi - phi_eq); "
+         "0: the "
          "soil shears at constant volume (mu_i)."},
         not_negative()},
        {"critical_solid_fraction",
@@ -163,8 +164,7 @@ MuI::MuI(const Soil& soil)
       viscous_half_(soil.own("viscous_number")),
       dilatancy_(soil.own("dilatancy")),
       critical_(soil.own("critical_solid_fraction")),
-      loosening_(soil.own("inertial_loosening")),
-      viscosity_(soil.water_viscosity) {}
+      loosening_(soil.own("inertial_loosening")) {}
 
 double MuI::advance(Tensor& stress, const Tensor& strain, const Condition& condition, std::span<double> state) const {
   Moduli<InOnes> moduli;
@@ -176,7 +176,7 @@ double MuI::advance(Tensor& stress, const Tensor& strain, const Condition& condi
             moduli,
             1.0 / (1.0 + condition.void_ratio),
             inertial_rate_ * per_duration,
-            condition.saturation * viscosity_ * per_duration,
+            condition.saturation * condition.viscosity * per_duration,
             root_j2(stress),
             -mean};
   double x = 0.0;

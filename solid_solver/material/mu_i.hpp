@@ -11,7 +11,7 @@ namespace poretwin::solid {
 ///   I = g d sqrt(rho_s / p),  J = eta g / p       inertial and viscous number
 ///   mu = mu_s + (mu_2 - mu_s) m / (1 + m),  m = I / I_0 + J / J_0
 ///   phi_eq = phi_c / (1 + sqrt(J) + b I)          solid fraction at which shear goes on at constant volume
-///   tan psi = K (phi - phi_eq)                    volumetric strain over shear strain, negative in loose soil
+///   tan psi = K_psi (phi - phi_eq)                    volumetric strain over shear strain, negative in loose soil
 ///   sqrt(J2) = (mu + tan psi) p                   while the soil flows
 /// with the grains' diameter d and density rho_s, the solid fraction phi, and the viscosity eta of the water times the
 /// degree of saturation. The elastic part is that of PressureElasticity. State variable: the rate of plastic shear.
@@ -38,8 +38,7 @@ class MuI final : public ConstitutiveModel {
   double static_friction_, gained_friction_;  ///< mu_s, mu_2 - mu_s
   double inertial_rate_;                      ///< sqrt(Pa) s: I over g / sqrt(p)
   double inertial_half_, viscous_half_;       ///< I_0, J_0
-  double dilatancy_, critical_, loosening_;   ///< K, phi_c, b
-  double viscosity_;                          ///< Pa s, of the water
+  double dilatancy_, critical_, loosening_;   ///< K_psi, phi_c, b
 };
 
 }  // namespace poretwin::solid
