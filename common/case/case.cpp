@@ -255,10 +255,12 @@ std::vector<Word<MaterialName>> model_words(bool rigid) {
   return words;
 }
 
-/// Declares the keys that belong to single materials. Where several materials have a key, the first one's declaration
-/// counts.
+/// Declares the keys that belong to single materials. Where several materials have a key, or a law of seepage has it,
+/// the first declaration counts.
 void declare_own_keys(Keys& keys, Soil& s) {
   std::set<std::string_view> declared;
+  for (const auto& law : porous::seepage_laws())
+    for (const auto& p : law.parameters) declared.insert(p.key);
   for (const Material& material : materials())
     for (const MaterialKey& key : material.keys) {
       if (!declared.insert(key.name).second) continue;
@@ -398,8 +400,9 @@ void declare(Keys& keys, Soil& s) {
               not_negative());
   keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
               {"",
-               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
-               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
+               "K0: horizontal over vertical effective stress at the start, from the weight above; the search for rest "
+               "begins from there. Absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on "
+               "level ground."},
               positive());
   keys.text(
       "library", s.library,

@@ -279,7 +279,8 @@ class Checker : Complaints {
         if (chosen && p.needed && !(porous::parameter(soil, p) > 0.0))
           fail(key + "." + p.key, fmt::format("the law \"{}\" needs it, a positive number{}, found none", law.name,
                                               p.unit.empty() ? "" : " of " + p.unit));
-        if (!chosen && given(key + "." + p.key))
+        const bool of_material = scene_.deformable() && material(scene_.model_of(soil)).has_key(p.key);
+        if (!chosen && !of_material && given(key + "." + p.key))
           fail(key + "." + p.key, fmt::format("belongs to seepage_law = \"{}\"", law.name));
       }
       if (chosen && !law.takes_conductivity && given(key + ".hydraulic_conductivity"))

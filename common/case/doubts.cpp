@@ -422,7 +422,6 @@ class Doubts : Complaints {
     gauges(idle);
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const std::string soil = fmt::format("soil[{}]", i);
-      idle(soil + ".earth_pressure_at_rest", scene_.deformable() && !s.initial_rest, "solid.initial_rest = false");
       idle(soil + ".model", !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
       const bool coulomb = scene_.model_of(scene_.soils[i]) == MaterialName::mohr_coulomb;
       idle(soil + ".cone", scene_.deformable() && coulomb, "it fits Drucker-Prager to what this model is");
@@ -432,11 +431,20 @@ class Doubts : Complaints {
   /// Warns of parameters that belong to another material than the soil's.
   template <class Idle>
   void own_numbers(const Idle& idle, MaterialName model, const std::string& soil) {
-    const auto mine = material(model).keys;
+    const Material mine = material(model);
+    const auto is_of_law = [](std::string_view key) {
+      return std::ranges::any_of(porous::seepage_laws(), [&](const auto& law) {
+        return std::ranges::any_of(law.parameters, [&](const auto& p) { return p.key == key; });
+      });
+    };
     for (const Material& other : materials())
       for (const MaterialKey& key : other.keys)
-        idle(fmt::format("{}.{}", soil, key.name), std::ranges::find(mine, key.name, &MaterialKey::name) == mine.end(),
+        idle(fmt::format("{}.{}", soil, key.name), !mine.has_key(key.name) && !is_of_law(key.name),
              fmt::format("it belongs to soil.model = \"{}\"", other.name));
+    for (const char* key : {"cohesion", "friction_angle", "dilation_angle", "tensile_strength", "cone",
+                            "maximum_void_ratio", "saturated_cohesion"})
+      idle(fmt::format("{}.{}", soil, key), mine.strength == Material::Strength::own,
+           fmt::format("soil.model = \"{}\" has a strength of its own", mine.name));
   }
   template <class Idle>
   void shapes(const Idle& idle) {
