@@ -75,8 +75,8 @@ class Plates : Complaints {
     if (!(f.normal.norm() > 0.0) || f.normal.normalized().cwiseAbs().maxCoeff() < along_axis)
       fail(key + ".normal", "expected a direction along an axis, as the rows of the soil's particles lie");
     if (!f.within) return;
-    if (f.within->kind != Shape::Kind::box || f.within->solid)
-      fail(key + ".within", "expected a box along the axes: a plate in 3D is a rectangle");
+    if (!plain_box(*f.within))
+      fail(key + ".within", "expected a box along the axes, not turned and not cut: a plate in 3D is a rectangle");
     Eigen::Index across = 0;
     f.normal.cwiseAbs().maxCoeff(&across);
     const double level = f.point[across];

@@ -12,7 +12,7 @@
 namespace poretwin::solid {
 
 template <int D>
-std::vector<sph::ImagePlane<D>> planes_of(const Plate& plate) {
+std::vector<sph::ImagePlane<D>> plate_planes(const Plate& plate) {
   auto planes = planes_of<D>(plate.face, 0, 0.0);
   if constexpr (D == 3)
     if (const auto& part = plate.face.within) {
@@ -55,15 +55,17 @@ template <int D>
 void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
   std::vector<sph::ImagePlane<D>> others = boundaries.planes;
   for (const Plate& plate : scene.plates)
-    for (auto plane : planes_of<D>(plate)) {
+    for (auto plane : plate_planes<D>(plate)) {
       if (plane.to > plane.from) {
         plane.from -= 1e-3 * margin;
         plane.to += 1e-3 * margin;
+        plane.second_from -= 1e-3 * margin;
+        plane.second_to += 1e-3 * margin;
       }
       others.push_back(plane);
     }
   for (std::size_t k = 0; k < scene.plates.size(); ++k)
-    for (auto plane : planes_of<D>(scene.plates[k])) {
+    for (auto plane : plate_planes<D>(scene.plates[k])) {
       const auto on_wall = [&](double along) {
         const Vec<D> end = plane.at(along);
         return std::ranges::any_of(others, [&](const auto& wall) {
@@ -504,8 +506,8 @@ void fill_velocities(const Particles<D>& p, Neighbourhood<D>& near, std::vector<
   }
 }
 
-template std::vector<sph::ImagePlane<2>> planes_of<2>(const Plate&);
-template std::vector<sph::ImagePlane<3>> planes_of<3>(const Plate&);
+template std::vector<sph::ImagePlane<2>> plate_planes<2>(const Plate&);
+template std::vector<sph::ImagePlane<3>> plate_planes<3>(const Plate&);
 template struct Boundaries<2>;
 template struct Boundaries<3>;
 template Boundaries<2> make_boundaries<2>(const Case&, double);

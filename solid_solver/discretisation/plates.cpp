@@ -35,7 +35,7 @@ std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const 
     plate.force = given.force;
     plate.slide = given.along;
     if (given.start) plate.start = *given.start;
-    for (const auto& plane : planes_of<D>(given)) {
+    for (const auto& plane : plate_planes<D>(given)) {
       plate.normal = plane.normal;
       plate.along = plane.tangent;
       if constexpr (D == 2)

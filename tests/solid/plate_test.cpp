@@ -342,7 +342,7 @@ TEST(PlateIn3D, AQuarterBearsAQuarter) {
   EXPECT_NEAR(force[0].z(), 4.0 * force[1].z(), 1e-6 * force[0].z());
 }
 
-// As in 2D, with six plates that meet at the edges of a cube.
+// As in 2D, with six smooth plates that meet at the edges of a cube.
 TEST(PlateIn3D, AllPlatesTogetherBearTheForcesOfAllImages) {
   constexpr double width = 0.4, spacing = 0.1;
   Case scene = block(spacing, width, width, Wall::ForSoil::none);
@@ -353,7 +353,6 @@ TEST(PlateIn3D, AllPlatesTogetherBearTheForcesOfAllImages) {
       plate.face.point = side * width * Point3::Unit(axis);
       plate.face.normal = (1.0 - 2.0 * side) * Point3::Unit(axis);
       plate.speed = Series{{{0.0, 0.01 * (1.0 + axis + 3.0 * side)}}};
-      if (axis == 1) plate.surface = Plate::Surface::rough;
       scene.plates.push_back(plate);
     }
   scene.solid.initial_velocity = {0.3, -0.2, 0.1};
