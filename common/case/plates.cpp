@@ -76,7 +76,8 @@ class Plates : Complaints {
       fail(key + ".normal", "expected a direction along an axis, as the rows of the soil's particles lie");
     if (!f.within) return;
     if (!plain_box(*f.within))
-      fail(key + ".within", "expected a box along the axes, not turned and not cut: a plate in 3D is a rectangle");
+      fail(key + ".within",
+           "expected a box along the axes, without turn, scale, move and cuts: a plate in 3D is a rectangle");
     Eigen::Index across = 0;
     f.normal.cwiseAbs().maxCoeff(&across);
     const double level = f.point[across];

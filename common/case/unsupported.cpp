@@ -344,8 +344,8 @@ class Supported : Complaints {
     const Point3 normal = f.normal.isZero() ? f.normal : f.normal.normalized();
     if (!plain_box(*f.within) || normal.cwiseAbs().maxCoeff() < along_axis)
       fail(key,
-           "expected a box along the axes, not turned and not cut, on a plane with 'point' and a 'normal' along an "
-           "axis");
+           "expected a box along the axes, without turn, scale, move and cuts, on a plane with 'point' and a 'normal' "
+           "along an axis");
     const LoadedPart part = loaded_part(scene_, f);
     const double level = f.point[part.across];
     if (!(part.area() > 0.0) || level < f.within->min[part.across] || level > f.within->max[part.across])

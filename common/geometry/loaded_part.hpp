@@ -22,7 +22,7 @@ struct LoadedPart {
   }
 };
 
-/// Whether a shape is a box along the axes as drawn: not turned, and not cut by other shapes.
+/// Whether a shape is a box along the axes as drawn: not turned, scaled, moved, or cut by others.
 inline bool plain_box(const Shape& shape) {
   return shape.kind == Shape::Kind::box && !shape.placement && shape.within.empty() && shape.without.empty();
 }

@@ -714,6 +714,8 @@ speed = 0.01
               HasSubstr("belongs to dimension = 2"));
   EXPECT_THAT(complaint(block(top + "within = { shape = \"ball\", centre = [0, 0, 0.4], radius = 0.2 }\n")),
               HasSubstr("a plate in 3D is a rectangle"));
+  EXPECT_THAT(complaint(block(top + "within = { min = [0, 0, 0], max = [1, 1, 1], turn = 30, axis = [0, 0, 1] }\n")),
+              HasSubstr("without turn, scale, move and cuts"));
   EXPECT_THAT(complaint(changed(block(top), "min = [0, 0, 0]\nmax = [0.4, 0.4, 0.4]",
                                 "shape = \"cylinder\"\nends = [[0.2, 0.2, 0], [0.2, 0.2, 0.4]]\nradius = 0.2")),
               HasSubstr("soil of another shape is packed"));
