@@ -57,7 +57,7 @@ struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
   /// Water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that part. Of
-  /// a load in 3D: the part of the plane in this box.
+  /// a load or plate in 3D: the part of the plane in this box.
   std::optional<Shape> within;
 };
 
@@ -232,12 +232,12 @@ struct Load {
 struct Plate {
   enum class Surface { smooth, rough };  ///< no friction, or no slip
   std::string name;
-  Face face;  ///< one straight line (2D)
+  Face face;  ///< one straight line (2D), or a rectangle along the axes (3D)
   Surface surface = Surface::smooth;
   std::optional<Series> displacement;  ///< m, along the normal, against time; 0 at time zero
   std::optional<Series> speed;         ///< m/s, along the normal, in place of the displacement
   std::optional<Series> force;         ///< N (2D: N/m), along the normal, in place of both
-  std::optional<Series> along;         ///< m, displacement of a rough plate along its line; 0 at time zero
+  std::optional<Series> along;         ///< m, displacement of a rough plate along its line (2D); 0 at time zero
   /// s, time from which on the force acts; absent: it always acts, and the soil comes to rest under its first value.
   std::optional<double> start;
   std::optional<double> mass;  ///< kg (2D: kg/m), of a plate under a force; absent: that of a row of the soil before it

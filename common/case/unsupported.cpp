@@ -349,8 +349,10 @@ class Supported : Complaints {
     if (d_ != 3) fail(key, "belongs to dimension = 3; expected 'points', a line");
     constexpr double along_axis = 1.0 - 1e-9;
     const Point3 normal = f.normal.isZero() ? f.normal : f.normal.normalized();
-    if (f.within->kind != Shape::Kind::box || f.within->solid || normal.cwiseAbs().maxCoeff() < along_axis)
-      fail(key, "expected a box along the axes, on a plane with 'point' and a 'normal' along an axis");
+    if (!plain_box(*f.within) || normal.cwiseAbs().maxCoeff() < along_axis)
+      fail(key,
+           "expected a box along the axes, without turn, scale, move and cuts, on a plane with 'point' and a 'normal' "
+           "along an axis");
     const LoadedPart part = loaded_part(scene_, f);
     const double level = f.point[part.across];
     if (!(part.area() > 0.0) || level < f.within->min[part.across] || level > f.within->max[part.across])
