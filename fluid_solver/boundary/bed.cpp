@@ -191,15 +191,22 @@ void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& 
 template <int D>
 std::vector<BedWater> water_before_bed(const Setup<D>& setup, const State<D>& state) {
   const Reach reach = reach_of(setup, state);
-  ScalarArray all(state.particles.size(), 0.0);
-  for (std::size_t k = 0; k < reach.particle.size(); ++k) all[reach.particle[k]] += reach.weight[k];
   std::vector<BedWater> water(state.bed.size());
+  // A part above the water's level has particles in its reach, but none of their water.
+  const auto for_each_wet = [&](const auto& act) {
+    for (std::size_t i = 0; i < state.bed.size(); ++i)
+      for (Index k = reach.offset[i]; k < reach.offset[i + 1] && water[i].head > 0.0; ++k)
+        act(i, reach.particle[k], reach.weight[k]);
+  };
   for (std::size_t i = 0; i < state.bed.size(); ++i) {
     const auto& part = state.bed[i];
     water[i].head = part.mean_time > 0.0 ? part.head_sum / part.mean_time : head_before(setup, reach, i, state);
-    for (Index k = reach.offset[i]; k < reach.offset[i + 1]; ++k)
-      water[i].volume += state.particles.volume[reach.particle[k]] * reach.weight[k] / all[reach.particle[k]];
   }
+  ScalarArray all(state.particles.size(), 0.0);
+  for_each_wet([&](std::size_t, Index a, double weight) { all[a] += weight; });
+  for_each_wet([&](std::size_t i, Index a, double weight) {
+    water[i].volume += state.particles.volume[a] * weight / all[a];
+  });
   return water;
 }
 

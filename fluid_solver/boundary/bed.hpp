@@ -21,7 +21,7 @@ namespace poretwin::fluid {
 /// Free water before a part of the bed.
 struct BedWater {
   double head = 0.0;    ///< m, mean pressure head at its centre since the last turn_over(); zero or below: it is dry
-  double volume = 0.0;  ///< m^D, of the particles in its reach; each particle counts once for all parts together
+  double volume = 0.0;  ///< m^D, of the particles in its reach, if it is wet; shared among all wet parts that they reach
 };
 
 /// What passes the bed in a window.
