@@ -81,6 +81,13 @@ class BothChecks : Complaints {
     if (open.empty())
       fail("soil[0]", with("walls, faces and the edge of the drawing leave no part of the soil's surface open to free "
                            "water; expected a part without any of them"));
+    const Point3 up = -scene_.general.gravity.normalized();
+    for (const auto& piece : open)
+      if (constexpr double overhang = 0.01; up.dot(piece.left()) > overhang)
+        fail("soil[0]",
+             with(fmt::format("the soil's surface from {} to {} m looks down and is open, so that its water would drip "
+                              "out; expected a [[wall]] along the base of the soil, or a [[water_face]]",
+                              shown(piece.a), shown(piece.b))));
     constexpr std::size_t most = 29;  // numbers of boundaries that the water's solver has
     if (const std::size_t count = free_part(scene_).walls.size(); count > most)
       fail("wall", with(fmt::format("{} walls and open parts of the soil's surface; expected {} at most", count, most)));

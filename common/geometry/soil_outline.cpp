@@ -9,7 +9,7 @@ namespace poretwin {
 namespace {
 
 /// Parts of a piece shorter than this are rounding errors. In spacings.
-constexpr double tiny = 1e-9;
+constexpr double shortest = 1e-9;
 
 /// A piece, divided at those of the points that lie on it.
 std::vector<Piece> divided(const Piece& whole, std::span<const Point3> points, double spacing) {
@@ -23,7 +23,7 @@ std::vector<Piece> divided(const Piece& whole, std::span<const Point3> points, d
   std::sort(cuts.begin(), cuts.end());
   std::vector<Piece> parts;
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-    if (cuts[i + 1] - cuts[i] >= tiny * spacing)
+    if (cuts[i + 1] - cuts[i] >= shortest * spacing)
       parts.push_back({whole.a + cuts[i] * along, whole.a + cuts[i + 1] * along});
   return parts;
 }
@@ -35,7 +35,7 @@ std::vector<Point3> corners_of_soils(const Case& scene) {
   return points;
 }
 
-bool lies_on(const Face& face, const Piece& part, double slack) {
+bool goes_along(const Face& face, const Piece& part, double slack) {
   const Point3 middle = 0.5 * (part.a + part.b);
   if (face.points.empty()) return std::abs(face.normal.normalized().dot(middle - face.point)) < slack;
   for (const auto& piece : pieces_of(face))
@@ -81,7 +81,7 @@ std::vector<Piece> open_outline(const Case& scene, double spacing) {
   std::vector<Piece> open;
   for (const auto& part : soil_outline(scene, spacing, taken))
     if (std::none_of(taken.begin(), taken.end(),
-                     [&](const Face& face) { return lies_on(face, part.piece, beside_outline * spacing); }))
+                     [&](const Face& face) { return goes_along(face, part.piece, beside_outline * spacing); }))
       open.push_back(part.piece);
   return open;
 }

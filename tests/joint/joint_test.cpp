@@ -86,6 +86,7 @@ TEST(JointWater, GroundwaterFillsAPond) {
 TEST(JointWater, AtOneHeadNothingPasses) {
   const double dx = 0.02;
   Case scene = column(dx, 0.3);
+  scene.walls.push_back(wall(line(0.0, 0.0, 4.0 * dx, 0.0)));
   scene.fluid.initial_water_table = 0.3;
   JointWater water(scene);
   water.initialise({});
@@ -141,6 +142,7 @@ TEST(JointWater, SpringsBecomeParticles) {
 TEST(JointWater, IsRestoredAndResumedToTheBit) {
   const double dx = 0.02;
   Case scene = column(dx, 0.3);
+  scene.walls.push_back(wall(line(0.0, 0.0, 4.0 * dx, 0.0)));
   scene.fluid.initial_water_table = 0.0;
   JointWater water(scene), resumed(scene);
   water.initialise({});
