@@ -26,9 +26,9 @@ ParticleCount count(const Case& scene) {
   const auto count = [&](const Shape& shape) {
     result.fluid += fill<D>(shape, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
   };
-  if (scene.is_field())
+  if (scene.is_field() || scene.is_both())
     for (const auto& soil : scene.soils) count(soil.shape);
-  else
+  if (!scene.is_field())
     for (const auto& region : f.regions) count(region);
   const auto& s = scene.solid;
   if (scene.deformable())
@@ -82,6 +82,7 @@ const char* phases(const Case& scene) {
   return scene.coupled()      ? (scene.is_field() ? "water as a field and solid coupled" : "fluid and solid coupled")
          : scene.deformable() ? "soil alone"
          : scene.is_field()   ? "water as a field in rigid soil"
+         : scene.is_both()    ? "free water as particles, and water as a field in rigid soil"
                               : "fluid alone in rigid soil";
 }
 
@@ -127,7 +128,9 @@ std::string check_text(const Case& scene, const CheckReport& report) {
                       phases(scene));
   if (scene.has_water())
     text += fmt::format("fluid       {}{} {}, spacing {} m\n", about, particles.fluid,
-                        scene.is_field() ? "points" : "particles at the start", scene.fluid.particle_spacing);
+                        scene.is_field()  ? "points"
+                        : scene.is_both() ? "particles at the start and points in soil"
+                                          : "particles at the start", scene.fluid.particle_spacing);
   if (!scene.representation_chosen.empty()) text += fmt::format("auto        {}\n", scene.representation_chosen);
   if (scene.deformable())
     text +=

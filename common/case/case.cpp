@@ -51,6 +51,7 @@ constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>
 constexpr std::array representation_words{
     Word<FluidCase::Representation>{"particles", FluidCase::Representation::particles},
     Word<FluidCase::Representation>{"field", FluidCase::Representation::field},
+    Word<FluidCase::Representation>{"both", FluidCase::Representation::both},
     Word<FluidCase::Representation>{"auto", FluidCase::Representation::automatic}};
 constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
@@ -630,9 +631,11 @@ void declare(Keys& keys, FluidCase& f) {
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
        "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); "
-       "`auto`: "
-       "`field` where the case has a key for a field only, or has neither free water, inertia nor soil that can yield, "
-       "and nothing else that a field lacks; otherwise `particles`. `poretwin check` prints which, and why."});
+       "`both`: particles where the water is free, and a field in rigid soil (2D), with water passing through all parts "
+       "of the soil's surface along which no wall, face or rain is drawn (docs/theory/free_water_and_ground.md); "
+       "`auto`: `both` where the case has a key for a field only and free water; `field` where it has such a key, or has "
+       "neither free water, inertia nor soil that can yield, and nothing else that a field lacks; otherwise "
+       "`particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,
               {"m", "Field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
   keys.number(

@@ -192,6 +192,8 @@ struct WaterFace {
   std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal area of the basin against elevation [m], from its
                                      ///< bottom up
   bool outlet = false;               ///< only air is behind the face
+  bool free_water = false;           ///< particles of free water come and go before it: set by ground_part(), not by a
+                                     ///< key
   std::optional<Series> wave_amplitude;         ///< Pa: amplitude A of a standing wave added to `pressure`
   double wave_length = 0.0, wave_period = 0.0;  ///< m, s: L and T
   /// Pressure of that wave at a place and time [Pa]: A cos(2 pi x / L) cos(2 pi t / T).
@@ -262,9 +264,9 @@ struct FluidCase {
   /// How the pressure is found: solved to a tolerance (projection), or by explicit sweeps, Eqs. (82)-(85) (eisph); in
   /// eisph_explicit_drag the drag, too, is that of the window's start.
   enum class Scheme { projection, eisph, eisph_explicit_drag };
-  /// What represents the water: particles that move, or a field on the points of the soil. `automatic` stands in the
-  /// file only: reading the case decides.
-  enum class Representation { particles, field, automatic };
+  /// What represents the water: particles that move, a field on the points of the soil, or both, particles where the
+  /// water is free and a field in the soil. `automatic` stands in the file only: reading the case decides.
+  enum class Representation { particles, field, both, automatic };
   double particle_spacing = 0.0;  ///< m
   Representation representation = Representation::particles;
   Scheme scheme = Scheme::projection;
@@ -391,8 +393,12 @@ struct Case {
   [[nodiscard]] bool can_yield() const;
   /// The water is a field on the points of the soil.
   [[nodiscard]] bool is_field() const { return fluid.representation == FluidCase::Representation::field; }
+  /// The water is particles where it is free, and a field in the soil.
+  [[nodiscard]] bool is_both() const { return fluid.representation == FluidCase::Representation::both; }
   /// There is a water phase.
-  [[nodiscard]] bool has_water() const { return is_field() || !fluid.regions.empty() || !water_faces.empty(); }
+  [[nodiscard]] bool has_water() const {
+    return is_field() || is_both() || !fluid.regions.empty() || !water_faces.empty();
+  }
   /// Both phases run. Otherwise the water runs alone in rigid soil, or the soil alone.
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// The fluid's pressure solve predicts the skeleton's motion.

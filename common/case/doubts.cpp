@@ -32,13 +32,14 @@ class Doubts : Complaints {
     own_weight();
     rows_at_an_angle();
     if (scene_.has_water()) faces_never_wet();
-    if (scene_.has_water() && !scene_.is_field()) {
+    if (scene_.has_water() && !scene_.is_field() && !scene_.is_both()) {
       no_water();
       piles_of_one_row();
       faces_that_end_on_walls();
       narrow_water();
     }
-    if (!scene_.is_field()) few_rows();
+    if (scene_.is_both()) narrow_water();
+    if (!scene_.is_field() && !scene_.is_both()) few_rows();
     if (scene_.is_field() && d_ == 3) faces_that_end_in_soil();
     without_effect();
     return std::move(lines_);
