@@ -198,13 +198,8 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_r
     for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
       sight.find_near(position[i], reach, walls);
       if (walls.empty()) continue;
-      for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-        const Index j = pairs.index[m];
-        // Evaluated in the same order for both particles of a pair.
-        const bool seen = j >= n_real ? sight.sees(position[i], j, n_real, position, images.by, images.of, walls)
-                                      : sight.open(position[std::min(i, j)], position[std::max(i, j)], walls);
-        if (!seen) pairs.index[m] = i;
-      }
+      for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
+        if (!sight.pairs(i, pairs.index[m], n_real, position, images.by, images.of, walls)) pairs.index[m] = i;
     }
   });
 }
