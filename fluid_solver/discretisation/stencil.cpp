@@ -179,8 +179,8 @@ void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
 
 /// What sum_pairs() keeps of a row: kernel sums, and the least distance over the smoothing length.
 template <int D>
-struct KernelSums : SumsOf<2 + D + D*(D + 1) / 2> {
-  using Sums = SumsOf<2 + D + D*(D + 1) / 2>;
+struct KernelSums : SumsOf<2 + D + D * (D + 1) / 2> {
+  using Sums = SumsOf<2 + D + D * (D + 1) / 2>;
   template <class In>
   struct Row : Sums::template Row<In> {
     typename In::Number least = typename In::Number{} + sph::support_radius;
