@@ -40,14 +40,14 @@ bool region_in_soil(const Case& scene, const Shape& region) {
 }
 
 /// Lines through pieces in a row, each of which begins where the last one ends.
-std::vector<Face> joined(const std::vector<Piece>& pieces, double slack) {
+std::vector<Face> joined(const std::vector<Piece>& pieces, double near) {
   std::vector<Face> lines;
   for (const auto& piece : pieces) {
-    if (lines.empty() || (lines.back().points.back() - piece.a).norm() > slack) lines.emplace_back().points = {piece.a};
+    if (lines.empty() || (lines.back().points.back() - piece.a).norm() > near) lines.emplace_back().points = {piece.a};
     lines.back().points.push_back(piece.b);
   }
   // The outline is closed: its last part may go on where the first begins.
-  if (lines.size() > 1 && (lines.back().points.back() - lines.front().points.front()).norm() <= slack) {
+  if (lines.size() > 1 && (lines.back().points.back() - lines.front().points.front()).norm() <= near) {
     auto& first = lines.front().points;
     first.insert(first.begin(), lines.back().points.begin(), lines.back().points.end() - 1);
     lines.pop_back();
@@ -98,7 +98,7 @@ Case ground_part(const Case& scene) {
 }
 
 Case free_part(const Case& scene) {
-  const double dx = scene.fluid.particle_spacing, slack = beside_outline * dx;
+  const double dx = scene.fluid.particle_spacing, near = beside_outline * dx;
   Case part = scene;
   part.fluid.representation = FluidCase::Representation::particles;
   std::erase_if(part.fluid.regions, [&](const Shape& region) { return region_in_soil(scene, region); });
@@ -108,7 +108,7 @@ Case free_part(const Case& scene) {
   std::vector<Wall> more;
   for (auto& wall : part.walls) {
     if (wall.water == Wall::ForWater::none || wall.face.points.empty()) continue;
-    const auto lines = joined(beside_no_soil(scene, dx, wall.face), slack);
+    const auto lines = joined(beside_no_soil(scene, dx, wall.face), near);
     for (std::size_t i = 1; i < lines.size(); ++i) {
       more.push_back(wall);
       more.back().face = lines[i];
@@ -119,7 +119,7 @@ Case free_part(const Case& scene) {
       wall.face = lines[0];
   }
   part.walls.insert(part.walls.end(), more.begin(), more.end());
-  for (auto& line : joined(open_outline(scene, dx), slack)) {
+  for (auto& line : joined(open_outline(scene, dx), near)) {
     // A wall has the water on its left.
     std::reverse(line.points.begin(), line.points.end());
     Wall bed;

@@ -35,11 +35,11 @@ std::vector<Point3> corners_of_soils(const Case& scene) {
   return points;
 }
 
-bool goes_along(const Face& face, const Piece& part, double slack) {
+bool goes_along(const Face& face, const Piece& part, double near) {
   const Point3 middle = 0.5 * (part.a + part.b);
-  if (face.points.empty()) return std::abs(face.normal.normalized().dot(middle - face.point)) < slack;
+  if (face.points.empty()) return std::abs(face.normal.normalized().dot(middle - face.point)) < near;
   for (const auto& piece : pieces_of(face))
-    if (distance_from(piece, middle) < slack) return true;
+    if (distance_from(piece, middle) < near) return true;
   return false;
 }
 
