@@ -81,7 +81,7 @@ TEST(MuI, ApproachesItsPackingByTheLogisticCurve) {
   for (const double from : {0.55, 0.6})
     for (const double rate : {1e-3, 3.0}) {
       Soil soil = immersed(from, dilatancy);
-      soil.youngs_modulus = 1e8;  // so that elastic strains do not count
+      soil.youngs_modulus = 2e6;  // so that elastic strains hardly count
       const auto model = model_of(soil);
       Element sample(soil, *model, from_all_sides(pressure), oil);
       const Numbers at = numbers(soil, rate, pressure);
@@ -96,7 +96,7 @@ TEST(MuI, ApproachesItsPackingByTheLogisticCurve) {
           EXPECT_NEAR(sample.stress()[3] / pressure, friction(soil, at) + dilatancy * (phi - to), 2e-4);
         }
       }
-      EXPECT_LT(worst, 2e-5) << from << " " << rate;
+      EXPECT_LT(worst, 5e-5) << from << " " << rate;
     }
 }
 
@@ -158,7 +158,7 @@ struct Plainly {
       const double pressure = -trace(stress) / 3.0, shear = root_j2(stress);
       double rate = 0.0, high = 1e5;
       if (shear > borne(0.0, pressure)) {
-        for (int round = 0; round < 200; ++round) {
+        for (int round = 0; round < 60; ++round) {
           const double middle = 0.5 * (rate + high);
           (borne(middle, pressure) < shear ? rate : high) = middle;
         }
@@ -183,15 +183,15 @@ TEST(MuI, IsAPlainIntegrationOfItsEquations) {
     for (int finer = 0; finer < 2; ++finer) {
       Tensor found = from_all_sides(100.0), due = found;
       std::vector<double> state(1);
-      const int steps = finer ? 400 : 100;
+      const int steps = finer ? 80 : 20;
       error[finer] = 0.0;
       for (int k = 0; k < steps; ++k) {
         Tensor strain;
         strain << 1e-5, -1e-5, 0.0, 4e-5, 0.0, 0.0;
-        strain *= 100.0 / steps;
-        const double duration = 2e-4 * 100.0 / steps;
+        strain *= 20.0 / steps;
+        const double duration = 2e-4 * 20.0 / steps;
         model->advance(found, strain, {1.0, 1.0 / phi - 1.0, duration, honey}, state);
-        plainly.follow(due, strain, duration, 40000 / steps);
+        plainly.follow(due, strain, duration, 8000 / steps);
         error[finer] = std::max(error[finer], (found - due).norm() / due.norm());
       }
     }
@@ -204,7 +204,7 @@ TEST(MuI, IsAPlainIntegrationOfItsEquations) {
 TEST(MuI, EndsWhereItBearsItsStress) {
   std::mt19937 random(3);
   std::uniform_real_distribution<> any(-1.0, 1.0);
-  std::size_t flows = 0, apart = 0;
+  std::size_t flows = 0;
   for (int k = 0; k < 3000; ++k) {
     const double phi = 0.55 + 0.1 * any(random);
     const Soil soil = immersed(phi, 4.0);
@@ -220,7 +220,6 @@ TEST(MuI, EndsWhereItBearsItsStress) {
     EXPECT_GE(pressure, -1e-12);
     if (pressure < 1e-9) {
       EXPECT_LT(shear, 1e-9);
-      ++apart;
       continue;
     }
     const double borne = Plainly{soil, phi, oil}.borne(rate, pressure);
@@ -232,7 +231,6 @@ TEST(MuI, EndsWhereItBearsItsStress) {
     }
   }
   EXPECT_GT(flows, 500u);
-  EXPECT_GT(apart, 50u);
 }
 
 /// Where other code has changed a stress and no time passes, only what no rate could bear is removed.
@@ -250,6 +248,9 @@ TEST(MuI, RemovesWithoutTimeOnlyWhatNoRateBears) {
   EXPECT_NEAR(returned(100.0, 70.0)[3], 64.0, 1e-12);
   EXPECT_LT(returned(-5.0, 1.0).norm(), 1e-12);
   EXPECT_EQ(state[0], 12.0);
+  Tensor apart = from_all_sides(10.0);
+  model->advance(apart, Tensor(-1e-3 * from_all_sides(1.0)), {0.0, 0.4 / 0.6, 1.0}, state);
+  EXPECT_LT(apart.norm(), 1e-12) << "expansion in time";
 }
 
 }  // namespace
