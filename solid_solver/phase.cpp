@@ -37,8 +37,6 @@ void Solid<D>::initialise(const Inbox& inbox) {
       state_.external.pressure = take_pressure(setup_, inbox, state_.time, cache_, state_);
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
-  } else {
-    begin_under_earth_pressure(setup_, state_);
   }
   store_water_force(setup_, gradient_of(setup_, state_, state_.external.pressure, state_.time), {}, 1.0, state_);
   start_counting(state_);

@@ -406,9 +406,8 @@ void declare(Keys& keys, Soil& s) {
               not_negative());
   keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
               {"",
-               "K0: horizontal over vertical effective stress at the start, from the weight above; the search for rest "
-               "begins from there. Absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on "
-               "level ground."},
+               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
+               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
               positive());
   keys.text(
       "library", s.library,

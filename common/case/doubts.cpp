@@ -423,6 +423,7 @@ class Doubts : Complaints {
     gauges(idle);
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const std::string soil = fmt::format("soil[{}]", i);
+      idle(soil + ".earth_pressure_at_rest", scene_.deformable() && !s.initial_rest, "solid.initial_rest = false");
       idle(soil + ".model", !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
       const bool coulomb = scene_.model_of(scene_.soils[i]) == MaterialName::mohr_coulomb;
       idle(soil + ".cone", scene_.deformable() && coulomb, "it fits Drucker-Prager to what this model is");

@@ -115,12 +115,12 @@ struct Condition {
 
 /// Four particles of one soil, one per lane, with the inputs and results of a model's advance().
 struct Four {
-  Lanes stress[6];               ///< Pa, in the order of Tensor
-  Lanes strain[6];               ///< strain increment
-  Lanes saturation, void_ratio;  ///< see Condition
+  Lanes stress[6];                                                             ///< Pa, in the order of Tensor
+  Lanes strain[6];                                                             ///< strain increment
+  Lanes saturation, void_ratio;                                                ///< see Condition
   double duration = std::numeric_limits<double>::infinity(), viscosity = 0.0;  ///< s, Pa s, see Condition
-  Lanes plastic;                 ///< result: the increment of equivalent deviatoric plastic strain
-  Quad* state = nullptr;         ///< the state_size() state variables, updated like the stress
+  Lanes plastic;          ///< result: the increment of equivalent deviatoric plastic strain
+  Quad* state = nullptr;  ///< the state_size() state variables, updated like the stress
 };
 
 /// Effective stress from strain increments. The caller rotates the stress (Jaumann rate). A particle's state is what

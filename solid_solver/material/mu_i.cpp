@@ -121,9 +121,8 @@ Material MuI::row() {
        {"dilatancy",
         0.0,
         {"",
-         "K_psi: tangent of the dilation angle over the excess of the solid fraction, tan psi = K_psi (phi - phi_eq); "
-         "0: the "
-         "soil shears at constant volume (mu_i)."},
+         "K_psi in tan psi = K_psi (phi - phi_eq), with the dilation angle psi and the solid fraction phi; 0: the soil "
+         "shears at constant volume (mu_i)."},
         not_negative()},
        {"critical_solid_fraction",
         0.585,

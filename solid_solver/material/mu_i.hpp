@@ -11,7 +11,7 @@ namespace poretwin::solid {
 ///   I = g d sqrt(rho_s / p),  J = eta g / p       inertial and viscous number
 ///   mu = mu_s + (mu_2 - mu_s) m / (1 + m),  m = I / I_0 + J / J_0
 ///   phi_eq = phi_c / (1 + sqrt(J) + b I)          solid fraction at which shear goes on at constant volume
-///   tan psi = K_psi (phi - phi_eq)                    volumetric strain over shear strain, negative in loose soil
+///   tan psi = K_psi (phi - phi_eq)                volumetric strain over shear strain, negative in loose soil
 ///   sqrt(J2) = (mu + tan psi) p                   while the soil flows
 /// with the grains' diameter d and density rho_s, the solid fraction phi, and the viscosity eta of the water times the
 /// degree of saturation. The elastic part is that of PressureElasticity. State variable: the rate of plastic shear.

@@ -62,7 +62,8 @@ void ConstitutiveModel::advance(std::span<Four> many) const {
       }
       for (std::size_t k = 0; k < size; ++k) state[k] = four.state[k].v[l];
       try {
-        four.plastic[l] = advance(stress, strain, {four.saturation[l], four.void_ratio[l], four.duration, four.viscosity}, state);
+        four.plastic[l] =
+            advance(stress, strain, {four.saturation[l], four.void_ratio[l], four.duration, four.viscosity}, state);
       } catch (MaterialFailure& failure) {
         failure.place = q * n_lanes + l;
         throw;

@@ -10,10 +10,6 @@ namespace poretwin::solid {
 template <int D>
 State<D> laid_out(Setup<D>& setup, Particles<D> particles);
 
-/// Sets the stress of soil that has a coefficient of earth pressure at rest from the weight above each particle.
-template <int D>
-void begin_under_earth_pressure(const Setup<D>& setup, State<D>& state);
-
 /// Searches for the soil's rest under the present water pressure. Restores the initial velocities at the end.
 template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state);

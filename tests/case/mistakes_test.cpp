@@ -834,6 +834,8 @@ TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
   EXPECT_THAT(warnings(tank, {"fluid.sweeps=5"}), HasSubstr("key 'fluid.sweeps': has no effect"));
   EXPECT_THAT(warnings(tank, {"fluid.seed=5"}), HasSubstr("fluid.jitter is 0"));
   EXPECT_THAT(warnings(tank, {"coupling.scheme=parallel"}), HasSubstr("one phase runs alone"));
+  EXPECT_THAT(warnings(slope, {"solid.initial_rest=false", "soil.0.earth_pressure_at_rest=0.5"}),
+              HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect"));
   EXPECT_THAT(warnings(slope, {"solid.initial_seepage=true"}),
               HasSubstr("key 'solid.initial_seepage': has no effect: no water drags at the soil"));
   EXPECT_THAT(warnings(slope, {"solid.initial_seepage=true", "solid.initial_rest=false"}),

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
 namespace poretwin::solid {
 namespace {
@@ -73,30 +76,45 @@ TEST(MuI, ShearsSteadilyAtTheFrictionOfItsRate) {
       }
 }
 
-/// Sheared under a constant pressure, soil dilates or contracts by d phi / d gamma = -K_psi phi (phi - phi_eq), a
-/// logistic curve, to the packing of its rate, and bears (mu + tan psi) p on the way.
+/// Sheared under a constant mean pressure and free to swell on all sides alike, soil dilates or contracts by d phi /
+/// d gamma = -K_psi phi (phi - phi_eq), a logistic curve, to the packing of its rate, and bears (mu + tan psi) p on the
+/// way. (In simple shear between walls dilation is a vertical strain, which turns the deviator.)
 TEST(MuI, ApproachesItsPackingByTheLogisticCurve) {
-  const LaboratoryTest& shear = laboratory_test("simple_shear");
   constexpr double pressure = 200.0, dilatancy = 4.0, step = 2e-4;
   for (const double from : {0.55, 0.6})
     for (const double rate : {1e-3, 3.0}) {
-      Soil soil = immersed(from, dilatancy);
-      soil.youngs_modulus = 1e8;  // so that elastic strains do not count
+      const Soil soil = immersed(from, dilatancy);
       const auto model = model_of(soil);
-      Element sample(soil, *model, from_all_sides(pressure), oil);
+      const double bulk = Elasticity::of(soil).bulk;
       const Numbers at = numbers(soil, rate, pressure);
       const double to = packing(soil, at);
-      double worst = 0.0;
+      Tensor stress = from_all_sides(pressure);
+      std::vector<double> state(1);
+      double phi = from, worst = 0.0;
       for (int k = 1; k <= 5000; ++k) {
-        sample.strain_by(shear, step, step / rate);
-        const double phi = 1.0 / (1.0 + sample.void_ratio());
+        double swelling = dilatancy * (phi - to) * step;  // volumetric strain that keeps the pressure
+        Tensor end;
+        std::vector<double> reached;
+        for (int round = 0; round < 30; ++round) {
+          end = stress;
+          reached = state;
+          Tensor strain = from_all_sides(-swelling / 3.0);
+          strain[3] = 0.5 * step;
+          model->advance(end, strain, {1.0, 1.0 / phi - 1.0, step / rate, oil}, reached);
+          const double missing = pressure + trace(end) / 3.0;
+          if (std::abs(missing) < 1e-9 * pressure) break;
+          swelling -= missing / bulk;
+        }
+        stress = end;
+        state = reached;
+        if (k > 10) {
+          EXPECT_NEAR(stress[3] / pressure, friction(soil, at) + dilatancy * (phi - to), 2e-4);
+        }
+        phi *= std::exp(-swelling);
         const double due = to / (1.0 - (1.0 - to / from) * std::exp(-dilatancy * to * step * k));
         worst = std::max(worst, std::abs(phi - due));
-        if (k > 10) {
-          EXPECT_NEAR(sample.stress()[3] / pressure, friction(soil, at) + dilatancy * (phi - to), 2e-4);
-        }
       }
-      EXPECT_LT(worst, 2e-5) << from << " " << rate;
+      EXPECT_LT(worst, 1e-4) << from << " " << rate;
     }
 }
 
@@ -143,7 +161,7 @@ TEST(MuI, SlowlyIsDruckerPrager) {
 }
 
 /// The equations integrated by brute force: the rate of plastic shear is the one at which the soil bears its stress,
-/// and stresses follow explicitly in very short steps. One implicit step a hundred times as long must agree.
+/// and stresses follow explicitly in very short steps. Implicit steps 25 and 100 times as long must agree.
 struct Plainly {
   const Soil& soil;
   double solid_fraction, viscosity;
@@ -158,7 +176,7 @@ struct Plainly {
       const double pressure = -trace(stress) / 3.0, shear = root_j2(stress);
       double rate = 0.0, high = 1e5;
       if (shear > borne(0.0, pressure)) {
-        for (int round = 0; round < 200; ++round) {
+        for (int round = 0; round < 60; ++round) {
           const double middle = 0.5 * (rate + high);
           (borne(middle, pressure) < shear ? rate : high) = middle;
         }
@@ -191,7 +209,7 @@ TEST(MuI, IsAPlainIntegrationOfItsEquations) {
         strain *= 100.0 / steps;
         const double duration = 2e-4 * 100.0 / steps;
         model->advance(found, strain, {1.0, 1.0 / phi - 1.0, duration, honey}, state);
-        plainly.follow(due, strain, duration, 40000 / steps);
+        plainly.follow(due, strain, duration, 10000 / steps);
         error[finer] = std::max(error[finer], (found - due).norm() / due.norm());
       }
     }
@@ -204,7 +222,7 @@ TEST(MuI, IsAPlainIntegrationOfItsEquations) {
 TEST(MuI, EndsWhereItBearsItsStress) {
   std::mt19937 random(3);
   std::uniform_real_distribution<> any(-1.0, 1.0);
-  std::size_t flows = 0, apart = 0;
+  std::size_t flows = 0;
   for (int k = 0; k < 3000; ++k) {
     const double phi = 0.55 + 0.1 * any(random);
     const Soil soil = immersed(phi, 4.0);
@@ -220,7 +238,6 @@ TEST(MuI, EndsWhereItBearsItsStress) {
     EXPECT_GE(pressure, -1e-12);
     if (pressure < 1e-9) {
       EXPECT_LT(shear, 1e-9);
-      ++apart;
       continue;
     }
     const double borne = Plainly{soil, phi, oil}.borne(rate, pressure);
@@ -232,7 +249,6 @@ TEST(MuI, EndsWhereItBearsItsStress) {
     }
   }
   EXPECT_GT(flows, 500u);
-  EXPECT_GT(apart, 50u);
 }
 
 /// Where other code has changed a stress and no time passes, only what no rate could bear is removed.
@@ -250,6 +266,9 @@ TEST(MuI, RemovesWithoutTimeOnlyWhatNoRateBears) {
   EXPECT_NEAR(returned(100.0, 70.0)[3], 64.0, 1e-12);
   EXPECT_LT(returned(-5.0, 1.0).norm(), 1e-12);
   EXPECT_EQ(state[0], 12.0);
+  Tensor apart = from_all_sides(10.0);
+  model->advance(apart, Tensor(-1e-3 * from_all_sides(1.0)), {0.0, 0.4 / 0.6, 1.0}, state);
+  EXPECT_LT(apart.norm(), 1e-12) << "expansion in time";
 }
 
 }  // namespace
