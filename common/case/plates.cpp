@@ -80,6 +80,13 @@ class Plates : Complaints {
            "expected a box along the axes, without turn, scale, move and cuts: a plate in 3D is a rectangle");
     Eigen::Index across = 0;
     f.normal.cwiseAbs().maxCoeff(&across);
+    constexpr double least = 2.0;  // spacings
+    const Point3 size = f.within->max - f.within->min;
+    const double shorter = std::min(size[(across + 1) % 3], size[(across + 2) % 3]);
+    if (!(shorter >= (least - 1e-6) * scene_.solid.particle_spacing))
+      fail(key + ".within",
+           fmt::format("the plate's shorter side is {:.3g} m: expected at least {:.3g} m ({:g} spacings)", shorter,
+                       least * scene_.solid.particle_spacing, least));
     const double level = f.point[across];
     if (level < f.within->min[across] || level > f.within->max[across])
       fail(key + ".within", fmt::format("expected a box that contains a part of the plate's plane, found none of {} = "
@@ -169,17 +176,17 @@ class Plates : Complaints {
     const double dx = scene_.solid.particle_spacing;
     constexpr double beside = 0.05, reach = 1.5;  // spacings; the kernel reaches an image from 1.2 spacings off
     double touched = 0.0;
-    for (const Place& place : places_on(f)) {
-      if (soil_at(place.at - beside * dx * place.normal))
+    for (const Place& part : places_on(f)) {
+      if (soil_at(part.at - beside * dx * part.normal))
         fail(key, fmt::format("soil lies behind the plate at {} m: expected soil only on the side to which the plate "
                               "presses{}",
-                              shown(place.at), in_3d_ ? "" : ", the left of its line"));
-      if (soil_at(place.at + beside * dx * place.normal))
-        touched += place.size;
-      else if (soil_at(place.at + reach * dx * place.normal))
+                              shown(part.at), in_3d_ ? "" : ", the left of its line"));
+      if (soil_at(part.at + beside * dx * part.normal))
+        touched += part.size;
+      else if (soil_at(part.at + reach * dx * part.normal))
         fail(key, fmt::format("a gap is left between the plate and the soil before it at {} m: expected a plate on the "
                               "soil's surface",
-                              shown(place.at)));
+                              shown(part.at)));
     }
     if (in_3d_) {
       if (std::ranges::any_of(scene_.soils,

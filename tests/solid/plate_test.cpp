@@ -302,7 +302,7 @@ TEST(PlateIn3D, CompressesAColumnAsAnOedometerDoes) {
     const double stress = -constrained * std::log1p(-strain), force = stress * width * width;
     EXPECT_NEAR(plate_of(solid).displacement.z(), -strain * height, 1e-9);
     EXPECT_NEAR(plate_of(solid).reaction.z(), force, 1e-3 * force);
-    EXPECT_NEAR(plate_of(solid).reaction.head<2>().norm(), 0.0, 1e-9 * force);
+    EXPECT_NEAR(plate_of(solid).reaction.head<2>().norm(), 0.0, 1e-6 * force);
     for (const Tensor& s : solid.state().particles.stress) EXPECT_NEAR(s[2], -stress, 2e-3 * stress);
   }
 }
@@ -339,10 +339,11 @@ TEST(PlateIn3D, AQuarterBearsAQuarter) {
     force.push_back(plate_of(solid).reaction);
   }
   EXPECT_GT(force[0].z(), 100.0);
-  EXPECT_NEAR(force[0].z(), 4.0 * force[1].z(), 1e-6 * force[0].z());
+  EXPECT_NEAR(force[0].z(), 4.0 * force[1].z(), 1e-5 * force[0].z());  // kernels are kept as floats
 }
 
-// As in 2D, with six smooth plates that meet at the edges of a cube.
+// As in 2D, with six smooth plates that meet at the edges of a cube. Along an edge the forces of the images behind both
+// of its plates cancel, as far as kernels, kept as floats, are the same for both of a pair.
 TEST(PlateIn3D, AllPlatesTogetherBearTheForcesOfAllImages) {
   constexpr double width = 0.4, spacing = 0.1;
   Case scene = block(spacing, width, width, Wall::ForSoil::none);
@@ -369,7 +370,7 @@ TEST(PlateIn3D, AllPlatesTogetherBearTheForcesOfAllImages) {
       size += plate.reaction.cwiseAbs();
     }
     EXPECT_GT(size.minCoeff(), 10.0);
-    EXPECT_LT((all - borne).norm(), 1e-9 * size.norm()) << all.transpose() << ", borne " << borne.transpose();
+    EXPECT_LT((all - borne).norm(), 1e-6 * size.norm()) << all.transpose() << ", borne " << borne.transpose();
   }
 }
 
