@@ -129,7 +129,7 @@ def column(cell):
 
 
 def basin(cell):
-    """Half of a pit with upright sides: floor at 0.3 m from x = 0 to 0.2 m, bank at 0.5 m to x = 0.8 m; 0.15 m of water."""
+    """Half of a pit with upright sides: floor at 0.3 m to x = 0.2 m, bank at 0.5 m to x = 0.8 m; 0.15 m of water."""
     soil = np.ones((round(0.8 / cell), round(0.5 / cell)), bool)
     wide, floor = round(0.2 / cell), round(0.3 / cell)
     soil[:wide, floor:] = False
