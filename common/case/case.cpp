@@ -341,7 +341,8 @@ void declare(Keys& keys, Soil& s) {
                "m of E = `youngs_modulus` (p' / `reference_pressure`)^m, p' the mean effective pressure; 0: constant "
                "(materials with `youngs_modulus`)."},
               between(0, false, 1, false));
-  keys.number("reference_pressure", s.reference_pressure, {"Pa", "Mean effective pressure at which the modulus is `youngs_modulus`."}, positive());
+  keys.number("reference_pressure", s.reference_pressure,
+              {"Pa", "Mean effective pressure at which the modulus is `youngs_modulus`."}, positive());
   keys.number("least_pressure", s.least_pressure,
               {"Pa", "Least pressure p' in the stiffness: below it the stiffness is constant."}, positive());
   keys.number(
@@ -352,9 +353,11 @@ void declare(Keys& keys, Soil& s) {
       positive());
   keys.number("cohesion", s.cohesion,
               {"Pa", "Cohesion, at `initial_saturation` (materials with cohesion and friction)."}, not_negative());
-  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (materials with cohesion and friction)."},
+  keys.number("friction_angle", s.friction_angle,
+              {"degrees", "Angle of internal friction (materials with cohesion and friction)."},
               between(0, false, 90, true));
-  keys.number("dilation_angle", s.dilation_angle, {"degrees", "Dilation angle, at most the friction angle (materials with cohesion and friction)."},
+  keys.number("dilation_angle", s.dilation_angle,
+              {"degrees", "Dilation angle, at most the friction angle (materials with cohesion and friction)."},
               between(0, false, 90, true));
   keys.choice<Soil::Cone>(
       "cone", s.cone, cone_words,
@@ -388,8 +391,10 @@ void declare(Keys& keys, Soil& s) {
                "particle spacings wide: divided by that width this is the plastic shear strain, so that what a band "
                "dissipates does not depend on the spacing."},
               positive());
-  keys.number("maximum_void_ratio", s.maximum_void_ratio,
-              {"", "Void ratio e = n / (1 - n) at which dilation ends (materials with a dilation angle); absent: never."}, positive());
+  keys.number(
+      "maximum_void_ratio", s.maximum_void_ratio,
+      {"", "Void ratio e = n / (1 - n) at which dilation ends (materials with a dilation angle); absent: never."},
+      positive());
   keys.number("initial_saturation", s.initial_saturation,
               {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
   keys.number("suction_head", s.suction_head,
@@ -619,9 +624,11 @@ void declare(Keys& keys, FluidCase& f) {
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
        "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); "
-       "`both`: particles where the water is free, and a field in rigid soil (2D), with water passing through all parts "
+       "`both`: particles where the water is free, and a field in rigid soil (2D), with water passing through all "
+       "parts "
        "of the soil's surface along which no wall, face or rain is drawn (docs/theory/free_water_and_ground.md); "
-       "`auto`: `both` where the case has a key for a field only and free water; `field` where it has such a key, or has "
+       "`auto`: `both` where the case has a key for a field only and free water; `field` where it has such a key, or "
+       "has "
        "neither free water, inertia nor soil that can yield, and nothing else that a field lacks; otherwise "
        "`particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,

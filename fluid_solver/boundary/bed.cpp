@@ -211,9 +211,8 @@ std::vector<BedWater> water_before_bed(const Setup<D>& setup, const State<D>& st
   }
   ScalarArray all(state.particles.size(), 0.0);
   for_each_wet([&](std::size_t, Index a, double weight) { all[a] += weight; });
-  for_each_wet([&](std::size_t i, Index a, double weight) {
-    water[i].volume += state.particles.volume[a] * weight / all[a];
-  });
+  for_each_wet(
+      [&](std::size_t i, Index a, double weight) { water[i].volume += state.particles.volume[a] * weight / all[a]; });
   return water;
 }
 
@@ -227,12 +226,12 @@ void turn_over(std::span<const double> film, double within, State<D>& state) {
   }
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                              \
-  template BedPassage pass_bed(const Setup<D>&, double, State<D>&);                                          \
-  template void add_bed_source(const BedPassage&, double, const Particles<D>&, std::span<double>);           \
-  template void change_volumes(const Setup<D>&, const BedPassage&, State<D>&);                               \
-  template void even_volumes(const Setup<D>&, State<D>&);                                                    \
-  template std::vector<BedWater> water_before_bed(const Setup<D>&, const State<D>&);                         \
+#define PORETWIN_INSTANTIATE(D)                                                                    \
+  template BedPassage pass_bed(const Setup<D>&, double, State<D>&);                                \
+  template void add_bed_source(const BedPassage&, double, const Particles<D>&, std::span<double>); \
+  template void change_volumes(const Setup<D>&, const BedPassage&, State<D>&);                     \
+  template void even_volumes(const Setup<D>&, State<D>&);                                          \
+  template std::vector<BedWater> water_before_bed(const Setup<D>&, const State<D>&);               \
   template void turn_over(std::span<const double>, double, State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -20,7 +20,7 @@ namespace poretwin::fluid {
 
 /// Free water before a part of the bed.
 struct BedWater {
-  double head = 0.0;    ///< m, mean pressure head at its centre since the last turn_over(); zero or below: it is dry
+  double head = 0.0;  ///< m, mean pressure head at its centre since the last turn_over(); zero or below: it is dry
   /// m^D, of the particles in its reach, if it is wet; each is shared among all wet parts in whose reach it lies.
   double volume = 0.0;
 };
@@ -44,8 +44,8 @@ void add_bed_source(const BedPassage& passage, double interval, const Particles<
 template <int D>
 void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& state);
 
-/// Merges particles that have become small, divides large ones, makes and removes particles on the bed. It changes which
-/// particles there are, so that it comes last in a window.
+/// Merges particles that have become small, divides large ones, makes and removes particles on the bed. It changes
+/// which particles there are, so that it comes last in a window.
 template <int D>
 void even_volumes(const Setup<D>& setup, State<D>& state);
 
