@@ -93,11 +93,11 @@ void expect_memory(const Case& scene) {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
                there = pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (!(pages > 0.0) || a.memory_bytes <= there) return;
-  throw CaseError(fmt::format(
-      "{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles: expected what this "
-      "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
-      scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
-      there / 1e9));
+  throw CaseError(
+      fmt::format("{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles: expected what this "
+                  "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
+                  scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
+                  there / 1e9));
 }
 
 ParticleCount count_particles(const Case& scene) {
@@ -130,7 +130,8 @@ std::string check_text(const Case& scene, const CheckReport& report) {
     text += fmt::format("fluid       {}{} {}, spacing {} m\n", about, particles.fluid,
                         scene.is_field()  ? "points"
                         : scene.is_both() ? "particles at the start and points in soil"
-                                          : "particles at the start", scene.fluid.particle_spacing);
+                                          : "particles at the start",
+                        scene.fluid.particle_spacing);
   if (!scene.representation_chosen.empty()) text += fmt::format("auto        {}\n", scene.representation_chosen);
   if (scene.deformable())
     text +=

@@ -155,6 +155,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   if (!state_.bed.empty()) change_volumes(setup_, passage, state_);
   follow_soil(view, state_);
   give_birth_and_delete(setup_, faces_, view, state_, came);
+  if (!state_.bed.empty()) even_volumes(setup_, state_);
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);
   walls_.place(state_.inlets);

@@ -95,9 +95,9 @@ void JointWater::step_ground(double time) {
     fastest = std::max(fastest, std::abs(soaked) / (state_.since * openings_[i].area));
   }
   const double window = free_.proposal().first, depth = cycle::depth * scene_.fluid.particle_spacing;
-  state_.next = std::max(std::min({cycle::windows * window, ground_.proposal().first,
-                                   fastest > 0.0 ? depth / fastest : HUGE_VAL}),
-                         std::isfinite(window) ? window : 0.0);
+  state_.next = std::max(
+      std::min({cycle::windows * window, ground_.proposal().first, fastest > 0.0 ? depth / fastest : HUGE_VAL}),
+      std::isfinite(window) ? window : 0.0);
   state_.since = 0.0;
   free_.turn_over(film, state_.next);
 }

@@ -2,8 +2,9 @@
 // its own, which knows nothing of the other; this one carries pressures to the ground and volumes both ways.
 //
 // The ground steps once for several windows of the free water, by the mean of its pressure over them. What the ground
-// takes and gives becomes a film on the surface, which the particles take over during the next step of the ground. Water
-// is therefore conserved to rounding: particles + film + field. The film is what passes in one step of the ground.
+// takes and gives becomes a film on the surface, which the particles take over during the next step of the ground.
+// Water is therefore conserved to rounding: particles + film + field. The film is what passes in one step of the
+// ground.
 #pragma once
 
 #include "common/case/case.hpp"

@@ -221,8 +221,7 @@ std::vector<GaugeReading> PoreWater::gauges() const { return gauges_->read(stepp
 std::vector<PoreWater::Opening> PoreWater::openings() const {
   std::vector<Opening> openings;
   for (const Segment& s : network_.segments)
-    if (is_open(s))
-      openings.push_back({s.centre, -pieces_of(scene_.water_faces[s.face].face).front().left(), s.area});
+    if (is_open(s)) openings.push_back({s.centre, -pieces_of(scene_.water_faces[s.face].face).front().left(), s.area});
   return openings;
 }
 

@@ -630,9 +630,11 @@ void declare(Keys& keys, FluidCase& f) {
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
        "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); "
-       "`both`: particles where the water is free, and a field in rigid soil (2D), with water passing through all parts "
+       "`both`: particles where the water is free, and a field in rigid soil (2D), with water passing through all "
+       "parts "
        "of the soil's surface along which no wall, face or rain is drawn (docs/theory/free_water_and_ground.md); "
-       "`auto`: `both` where the case has a key for a field only and free water; `field` where it has such a key, or has "
+       "`auto`: `both` where the case has a key for a field only and free water; `field` where it has such a key, or "
+       "has "
        "neither free water, inertia nor soil that can yield, and nothing else that a field lacks; otherwise "
        "`particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,

@@ -61,8 +61,8 @@ class Checker : Complaints {
   }
 
  private:
-  /// Checks what belongs to the case as a whole, and then each of its two parts as a case of its own. Gauges are checked
-  /// here, where they have their places in the file.
+  /// Checks what belongs to the case as a whole, and then each of its two parts as a case of its own. Gauges are
+  /// checked here, where they have their places in the file.
   void parts() const {
     general();
     check_both(scene_, places_);
@@ -429,7 +429,8 @@ class Checker : Complaints {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet + f.free_water;
+      const int kinds =
+          (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet + f.free_water;
       if (kinds != 1)
         fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
                               kinds == 0 ? "none" : "more"));

@@ -190,7 +190,8 @@ class FieldChecks : Complaints {
                          "constrained one that water and soil do not come to agree",
                          least, scene_.soils[i].poissons_ratio));
     if (scene_.can_yield() && !scene_.rains.empty())
-      fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
+      fail("rain[0]",
+           "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)
       fail("solid.initial_wave", "a field has no inertia; expected fluid.representation = \"particles\"");
   }

@@ -11,15 +11,14 @@
 namespace poretwin {
 namespace {
 
-constexpr std::array kinds_in_ground{std::string_view("front"),         std::string_view("discharge"),
-                                     std::string_view("exit_height"),   std::string_view("exit_gradient"),
+constexpr std::array kinds_in_ground{std::string_view("front"),          std::string_view("discharge"),
+                                     std::string_view("exit_height"),    std::string_view("exit_gradient"),
                                      std::string_view("pressure_force"), std::string_view("heave"),
-                                     std::string_view("level"),         std::string_view("passed_volume")};
-constexpr std::array kinds_in_free_water{std::string_view("max_speed"), std::string_view("kinetic_energy"),
-                                         std::string_view("potential_energy"), std::string_view("energy"),
-                                         std::string_view("momentum"), std::string_view("extent"),
-                                         std::string_view("spread"), std::string_view("particles"),
-                                         std::string_view("min_pressure")};
+                                     std::string_view("level"),          std::string_view("passed_volume")};
+constexpr std::array kinds_in_free_water{
+    std::string_view("max_speed"), std::string_view("kinetic_energy"), std::string_view("potential_energy"),
+    std::string_view("energy"),    std::string_view("momentum"),       std::string_view("extent"),
+    std::string_view("spread"),    std::string_view("particles"),      std::string_view("min_pressure")};
 constexpr std::array kinds_of_both{std::string_view("volume"), std::string_view("balance"),
                                    std::string_view("infiltration")};
 
@@ -74,8 +73,8 @@ bool has_free_water(const Case& scene) {
 GaugePlace place_of(const Case& scene, const Gauge& gauge) {
   if (is_among(kinds_of_both, gauge.kind)) return GaugePlace::all;
   if (is_among(kinds_in_free_water, gauge.kind)) return GaugePlace::free_water;
-  const auto inside = std::count_if(gauge.points.begin(), gauge.points.end(),
-                                    [&](const Point3& x) { return lies_in_soil(scene, x); });
+  const auto inside =
+      std::count_if(gauge.points.begin(), gauge.points.end(), [&](const Point3& x) { return lies_in_soil(scene, x); });
   if (is_among(kinds_in_ground, gauge.kind)) return GaugePlace::ground;
   if (gauge.kind != "point") return GaugePlace::nowhere;
   if (inside == 0) return GaugePlace::free_water;

@@ -21,9 +21,9 @@ bool has_free_water(const Case& scene);
 enum class GaugePlace {
   free_water,
   ground,
-  all,       ///< volumes: both parts and what passes between them
-  nowhere,   ///< a kind that neither has
-  astride,   ///< some of its points lie in the soil and others do not
+  all,      ///< volumes: both parts and what passes between them
+  nowhere,  ///< a kind that neither has
+  astride,  ///< some of its points lie in the soil and others do not
 };
 GaugePlace place_of(const Case& scene, const Gauge& gauge);
 

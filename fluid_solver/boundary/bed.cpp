@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace poretwin::fluid {
 
@@ -17,7 +18,7 @@ struct Reach {
 };
 
 template <int D>
-Reach reach_of(const Setup<D>& setup, const State<D>& state) {
+Reach particles_before(const Setup<D>& setup, const State<D>& state) {
   Reach reach;
   const auto& p = state.particles;
   const double h = bed::reach * setup.spacing, radius = sph::support_radius * h;
@@ -103,7 +104,7 @@ BedPart<D>& nearest_part(const Vec<D>& x, State<D>& state) {
 template <int D>
 BedPassage pass_bed(const Setup<D>& setup, double interval, State<D>& state) {
   const auto& p = state.particles;
-  const Reach reach = reach_of(setup, state);
+  const Reach reach = particles_before(setup, state);
   BedPassage passage{ScalarArray(p.size(), 0.0), ScalarArray(state.bed.size(), 0.0)};
   ScalarArray wanted(state.bed.size(), 0.0);
   const auto for_each = [&](const auto& act) {
@@ -142,32 +143,38 @@ void add_bed_source(const BedPassage& passage, double interval, const Particles<
 template <int D>
 void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& state) {
   auto& p = state.particles;
-  const double usual = std::pow(setup.spacing, D);
-  for (std::size_t a = 0; a < passage.gained.size(); ++a) {
+  for (std::size_t a = 0; a < p.size(); ++a) {
     p.volume[a] += passage.gained[a];
     p.mass[a] += setup.density * passage.gained[a];
   }
   for (std::size_t i = 0; i < state.bed.size(); ++i) state.bed[i].film -= passage.given[i];
+}
+
+template <int D>
+void even_volumes(const Setup<D>& setup, State<D>& state) {
+  auto& p = state.particles;
+  const double usual = std::pow(setup.spacing, D);
   const std::size_t n = p.size();
   std::vector<bool> keep(n, true);
-  sph::CellGrid<D> grid;
-  grid.build(p.position, bed::merged_within * setup.spacing);
+  std::optional<sph::CellGrid<D>> grid;
   for (std::size_t a = 0; a < n; ++a) {
-    if (!keep[a] || p.volume[a] >= bed::least_volume * usual || passage.gained[a] == 0.0) continue;
-    const std::size_t b = partner_of(grid, setup, p, keep, a);
+    if (!keep[a] || p.volume[a] >= bed::least_volume * usual) continue;
+    if (!grid) grid.emplace().build(p.position, bed::merged_within * setup.spacing);
+    const std::size_t b = partner_of(*grid, setup, p, keep, a);
+    auto& part = nearest_part(p.position[a], state);
+    const bool on_bed = (p.position[a] - part.centre).norm() < sph::support_radius * bed::reach * setup.spacing;
     if (b != a)
       merge(a, b, p);
-    else if (p.volume[a] < bed::last_volume * usual)
-      nearest_part(p.position[a], state).film += p.mass[a] / setup.density;
+    else if (on_bed && p.volume[a] < bed::last_volume * usual)
+      part.film += p.mass[a] / setup.density;
     else
       continue;
     keep[a] = false;
     ++state.counts.deleted;
   }
   for (std::size_t a = 0; a < n; ++a) {
-    if (!keep[a] || p.volume[a] <= bed::most_volume * usual || passage.gained[a] <= 0.0) continue;
-    const Vec<D>& normal = nearest_part(p.position[a], state).normal;
-    divide<D>(setup, normal.unitOrthogonal(), a, p);
+    if (!keep[a] || p.volume[a] <= bed::most_volume * usual) continue;
+    divide<D>(setup, nearest_part(p.position[a], state).normal.unitOrthogonal(), a, p);
     ++state.counts.born;
   }
   keep.resize(p.size(), true);
@@ -178,7 +185,7 @@ void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& 
   for (std::size_t i = 0; i < state.bed.size(); ++i) {
     auto& part = state.bed[i];
     if (part.film < usual) continue;
-    if (!reach) reach = reach_of(setup, state);
+    if (!reach) reach = particles_before(setup, state);
     if (reach->offset[i + 1] > reach->offset[i]) continue;
     const Vec<D> x = part.centre + 0.5 * setup.spacing * part.normal;
     p.add(x, Vec<D>::Zero(), setup.density * usual, 1.0, usual, -setup.weight.dot(x - setup.origin),
@@ -190,7 +197,7 @@ void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& 
 
 template <int D>
 std::vector<BedWater> water_before_bed(const Setup<D>& setup, const State<D>& state) {
-  const Reach reach = reach_of(setup, state);
+  const Reach reach = particles_before(setup, state);
   std::vector<BedWater> water(state.bed.size());
   // A part above the water's level has particles in its reach, but none of their water.
   const auto for_each_wet = [&](const auto& act) {
@@ -204,9 +211,8 @@ std::vector<BedWater> water_before_bed(const Setup<D>& setup, const State<D>& st
   }
   ScalarArray all(state.particles.size(), 0.0);
   for_each_wet([&](std::size_t, Index a, double weight) { all[a] += weight; });
-  for_each_wet([&](std::size_t i, Index a, double weight) {
-    water[i].volume += state.particles.volume[a] * weight / all[a];
-  });
+  for_each_wet(
+      [&](std::size_t i, Index a, double weight) { water[i].volume += state.particles.volume[a] * weight / all[a]; });
   return water;
 }
 
@@ -220,11 +226,12 @@ void turn_over(std::span<const double> film, double within, State<D>& state) {
   }
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                              \
-  template BedPassage pass_bed(const Setup<D>&, double, State<D>&);                                          \
-  template void add_bed_source(const BedPassage&, double, const Particles<D>&, std::span<double>);           \
-  template void change_volumes(const Setup<D>&, const BedPassage&, State<D>&);                               \
-  template std::vector<BedWater> water_before_bed(const Setup<D>&, const State<D>&);                         \
+#define PORETWIN_INSTANTIATE(D)                                                                    \
+  template BedPassage pass_bed(const Setup<D>&, double, State<D>&);                                \
+  template void add_bed_source(const BedPassage&, double, const Particles<D>&, std::span<double>); \
+  template void change_volumes(const Setup<D>&, const BedPassage&, State<D>&);                     \
+  template void even_volumes(const Setup<D>&, State<D>&);                                          \
+  template std::vector<BedWater> water_before_bed(const Setup<D>&, const State<D>&);               \
   template void turn_over(std::span<const double>, double, State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -20,8 +20,9 @@ namespace poretwin::fluid {
 
 /// Free water before a part of the bed.
 struct BedWater {
-  double head = 0.0;    ///< m, mean pressure head at its centre since the last turn_over(); zero or below: it is dry
-  double volume = 0.0;  ///< m^D, of the particles in its reach, if it is wet; shared among all wet parts that they reach
+  double head = 0.0;  ///< m, mean pressure head at its centre since the last turn_over(); zero or below: it is dry
+  /// m^D, of the particles in its reach, if it is wet; each is shared among all wet parts in whose reach it lies.
+  double volume = 0.0;
 };
 
 /// What passes the bed in a window.
@@ -39,9 +40,14 @@ BedPassage pass_bed(const Setup<D>& setup, double interval, State<D>& state);
 template <int D>
 void add_bed_source(const BedPassage& passage, double interval, const Particles<D>& p, std::span<double> source);
 
-/// Changes the particles' volumes and the films; merges, divides, makes and removes particles.
+/// Changes the particles' volumes and the films.
 template <int D>
 void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& state);
+
+/// Merges particles that have become small, divides large ones, makes and removes particles on the bed. It changes
+/// which particles there are, so that it comes last in a window.
+template <int D>
+void even_volumes(const Setup<D>& setup, State<D>& state);
 
 /// The water before each part now.
 template <int D>

@@ -86,9 +86,11 @@ TEST_F(Both, WhatItDoesNotSupportIsRefusedByName) {
                            const std::vector<std::string>& set = {}) {
     EXPECT_THAT(complaint(text, set), AllOf(HasSubstr(key), HasSubstr(why))) << key;
   };
-  refused(pit, "solid.model", "rigid", {"solid.model=\"elastic\"", "soil.0.youngs_modulus=1e6", "soil.1.youngs_modulus=1e6"});
+  refused(pit, "solid.model", "rigid",
+          {"solid.model=\"elastic\"", "soil.0.youngs_modulus=1e6", "soil.1.youngs_modulus=1e6"});
   refused(pit, "case.gravity", "weight", {"case.gravity=[0, 0]"});
-  refused(pit, "case.periodic", "periodic", {"case.periodic=[\"x\"]", "case.domain_min=[0, 0]", "case.domain_max=[0.8, 1]"});
+  refused(pit, "case.periodic", "periodic",
+          {"case.periodic=[\"x\"]", "case.domain_min=[0, 0]", "case.domain_max=[0.8, 1]"});
   refused(pit, "fluid.drag", "no effect", {"fluid.drag=false"});
   refused(pit, "fluid.scheme", "not supported", {"fluid.scheme=\"eisph\""});
   refused(pit, "fluid.region[0]", "lies in soil at", {"fluid.region.0.min=[0, 0.2]"});
@@ -96,24 +98,28 @@ TEST_F(Both, WhatItDoesNotSupportIsRefusedByName) {
   refused(pit + "[[rain]]\npoints = [[0.8, 0.5], [0.2, 0.5]]\nrate = 1e-6\n", "rain[0]", "rain");
   refused(pit + "[[water_face]]\npoints = [[0.8, 0.6], [0.8, 0.7]]\ndischarge = 0.01\n", "water_face[0]", "free water");
   refused(pit + "[[wall]]\npoints = [[0.8, 0.5], [0.2, 0.5], [0.2, 0.3], [0, 0.3]]\n", "soil[0]", "open");
-  refused(changed(pit, "[0, 0.6], [0, 0], [0.8, 0], [0.8, 0.6]]", "[0, 0.6], [0, 0]]\n[[wall]]\npoints = [[0.8, 0], [0.8, 0.6]]"), "soil[0]",
-          "looks down");
+  refused(changed(pit, "[0, 0.6], [0, 0], [0.8, 0], [0.8, 0.6]]",
+                  "[0, 0.6], [0, 0]]\n[[wall]]\npoints = [[0.8, 0], [0.8, 0.6]]"),
+          "soil[0]", "looks down");
   const auto gauge = [&](const std::string& rest) {
     return pit + "[[gauge]]\nname = \"g\"\nphase = \"fluid\"\n" + rest;
   };
   refused(gauge("kind = \"runoff\"\n"), "gauge[0].kind", "cannot be read");
-  refused(gauge("kind = \"point\"\nquantity = \"pore_pressure\"\npoints = [[0.1, 0.1], [0.1, 0.4]]\n"), "gauge[0].points",
-          "two gauges");
-  refused(gauge("kind = \"point\"\nquantity = \"velocity\"\npoints = [[0.1, 0.1]]\n"), "gauge[0].quantity", "no velocity");
+  refused(gauge("kind = \"point\"\nquantity = \"pore_pressure\"\npoints = [[0.1, 0.1], [0.1, 0.4]]\n"),
+          "gauge[0].points", "two gauges");
+  refused(gauge("kind = \"point\"\nquantity = \"velocity\"\npoints = [[0.1, 0.1]]\n"), "gauge[0].quantity",
+          "no velocity");
   refused(gauge("kind = \"front\"\npoints = [[0.1, 0.32], [0.1, 0.4]]\n"), "gauge[0].points", "none of the points");
-  EXPECT_EQ(complaint(gauge("kind = \"point\"\nquantity = \"pore_pressure\"\npoints = [[0.1, 0.4]]\n")), "no complaint");
+  EXPECT_EQ(complaint(gauge("kind = \"point\"\nquantity = \"pore_pressure\"\npoints = [[0.1, 0.4]]\n")),
+            "no complaint");
 }
 
 // Each part is checked as a case of its own.
 TEST_F(Both, AFaultOfOnePartIsFoundAsIfItStoodAlone) {
   EXPECT_THAT(complaint(changed(pit, "initial_water_table = 0\n", "")), HasSubstr("fluid.initial_water_table"));
-  EXPECT_THAT(complaint(changed(pit, "points = [[0, 0.6], [0, 0], [0.8, 0], [0.8, 0.6]]", "points = [[0, 0], [0.8, 0]]")),
-              HasSubstr("water can run out"));
+  EXPECT_THAT(
+      complaint(changed(pit, "points = [[0, 0.6], [0, 0], [0.8, 0], [0.8, 0.6]]", "points = [[0, 0], [0.8, 0]]")),
+      HasSubstr("water can run out"));
 }
 
 }  // namespace

@@ -125,14 +125,14 @@ TEST(JointWater, SpringsBecomeParticles) {
   scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.0, 0.4, 0.5))};
   scene.water_faces = {head_face(line(0.0, 0.3, 0.0, 0.0), 0.29)};
   scene.fluid.regions = {box(0.2, 0.1, 0.4, 0.14)};
-  scene.fluid.initial_water_table = 0.14;
+  scene.fluid.initial_water_table = 0.29;  // the bank drains from the start
   scene.gauges = {gauge("water", "balance")};
   JointWater water(scene);
   water.initialise({});
   const double first = water.free_water().volume();
   double time = 0.0;
   run_to(water, time, 30.0);
-  EXPECT_GT(water.free_water().state().counts.born, 5.0);
+  EXPECT_GT(water.free_water().state().counts.born, 0.0);
   EXPECT_GT(water.free_water().volume(), first + 10.0 * dx * dx);
   EXPECT_EQ(water.free_water().state().counts.lost, 0.0);
   EXPECT_NEAR(reading(water, "water_error"), 0.0, 1e-14);

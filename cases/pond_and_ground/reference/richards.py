@@ -60,7 +60,7 @@ class Ground:
         self.face, self.face_z, self.face_high = surface(index, cell)
         self.base = index[:, 0][index[:, 0] >= 0] if drained else np.empty(0, int)
 
-    def step(self, dt, pond, volume_of, level_of):
+    def step(self, dt, pond, level_of):
         """One step from the pond's volume; returns success and the new volume."""
         n, d, a, b = len(self.psi), self.d, self.a, self.b
         before, psi, volume = content(self.psi), self.psi.copy(), pond
@@ -71,8 +71,8 @@ class Ground:
             flow = k * (psi[a] - psi[b] + rise)
             # surface: the middle of the wetted part of each face
             low = self.face_z - 0.5 * self.face_high
-            wet = np.where(self.face_high > 0.0, np.clip((level - low) / np.where(self.face_high > 0, self.face_high, 1), 0, 1),
-                           (level > self.face_z) * 1.0)
+            height = np.where(self.face_high > 0.0, self.face_high, 1.0)
+            wet = np.where(self.face_high > 0.0, np.clip((level - low) / height, 0, 1), level > self.face_z)
             middle = low + 0.5 * wet * self.face_high
             cell, distance = self.face, 0.5 * d
             head = np.maximum(level - middle, 0.0)
@@ -117,7 +117,7 @@ class Ground:
 
 
 def column(cell):
-    """1 m deep, one cell wide; water table and drain at the base; 0.2 m of water on it."""
+    """0.8 m deep, one cell wide; water table and drain at the base; 0.2 m of water on it."""
     rows = round(0.8 / cell)
     soil = np.ones((1, rows), bool)
 
@@ -125,11 +125,11 @@ def column(cell):
         return np.array([index[0, -1]]), np.array([0.8]), np.array([0.0])
 
     ground = Ground(cell, soil, 0.0, surface, True)
-    return ground, 0.2 * cell, lambda v: v, lambda v: 0.8 + v / cell, cell
+    return ground, 0.2 * cell, lambda v: 0.8 + v / cell, cell
 
 
 def basin(cell):
-    """Half of a pit with upright sides: floor at 0.3 m from x = 0 to 0.2 m, bank at 0.5 m to x = 0.8 m; 0.15 m of water."""
+    """Half of a pit with upright sides: floor at 0.3 m to x = 0.2 m, bank at 0.5 m to x = 0.8 m; 0.15 m of water."""
     soil = np.ones((round(0.8 / cell), round(0.5 / cell)), bool)
     wide, floor = round(0.2 / cell), round(0.3 / cell)
     soil[:wide, floor:] = False
@@ -142,12 +142,12 @@ def basin(cell):
                 np.concatenate([np.zeros(wide), np.full(len(side), d)]))
 
     ground = Ground(cell, soil, 0.0, surface, False)
-    return ground, 0.2 * 0.15, lambda v: v, lambda v: 0.3 + v / 0.2, 1.0
+    return ground, 0.2 * 0.15, lambda v: 0.3 + v / 0.2, 1.0
 
 
 def main():
     kind, cell = sys.argv[1], float(sys.argv[2])
-    ground, pond, volume_of, level_of, width = {"column": column, "basin": basin}[kind](cell)
+    ground, pond, level_of, width = {"column": column, "basin": basin}[kind](cell)
     first, t, dt = pond, 0.0, 1e-4
     stored = ground.d**2 * content(ground.psi).sum()
     rows = [(t, pond / width)]
@@ -155,7 +155,7 @@ def main():
     most = 0.25
     while t < end:
         dt = min(dt, end - t)
-        solved, left = ground.step(dt, pond, volume_of, level_of)
+        solved, left = ground.step(dt, pond, level_of)
         if not solved:
             dt *= 0.4
             if dt < 1e-9:
@@ -174,7 +174,7 @@ def main():
     if len(sys.argv) > 3:
         times = np.arange(0.0, rows[-1, 0], 2.0)
         np.savetxt(sys.argv[3], np.stack([times, np.interp(times, rows[:, 0], rows[:, 1])], 1), delimiter=",",
-                   fmt="%.6g", header="time_s,pond_m2", comments="")
+                   fmt="%.6g", header="time_s," + ("depth_m" if kind == "column" else "pond_m2"), comments="")
 
 
 if __name__ == "__main__":
