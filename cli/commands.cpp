@@ -150,7 +150,7 @@ int check(const Arguments& a, JsonOutput& json) {
   return 0;
 }
 
-/// The arguments of a command as text, in the form that its options declare, for a script with the same options.
+/// The arguments given to a command, without --json, as the command line of a script that has the same options.
 std::vector<std::string> words_of(const CLI::App& command) {
   std::vector<std::string> positional, words;
   for (const CLI::Option* option : command.get_options()) {

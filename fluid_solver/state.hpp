@@ -29,8 +29,8 @@ struct Particles {
   OrZero<Vec<D>> coupling_force;
   /// coupling_force one window earlier: in the parallel scheme the soil has received only this earlier force.
   OrZero<Vec<D>> previous_coupling_force;
-  /// C / (a + C) in the last window: where the skeleton's velocity departs from its prediction, the fraction of the
-  /// departure that drag transfers to the water.
+  /// Fraction of a departure of the skeleton from its predicted velocity that the water follows through drag, in the
+  /// last window: C / (a + C), with the drag coefficient C and the water's inertia a = n rho_w / Dt [N s/m4].
   OrZero<double> entrained_fraction;
   ScalarArray wave_speed;  ///< m/s, of long waves on the body of water to which the particle first belonged, or of a
                            ///< drop in its central force

@@ -98,7 +98,7 @@ class Stepper {
   };
   /// Finds the levels of the wells that pump a prescribed discharge, for the present variables.
   void find_levels();
-  /// Flow into the soil [m3/s, 2D: m2/s] through the screen of a well that pumps, at a level [m].
+  /// Flow from a well into the soil [m3/s, 2D: m2/s] through its screen if the well's water stands at `level` [m].
   [[nodiscard]] double through_screen(const Pump& pump, double level) const;
   /// Derivative of a screen's inflow with respect to the level [m2/s, 2D: m/s].
   [[nodiscard]] double by_level_of(const Segment& segment, double level) const;

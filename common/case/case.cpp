@@ -238,7 +238,7 @@ void declare(Keys& keys, Face& f) {
   keys.point("normal", f.normal, {"", "With `point`: direction into the domain."});
 }
 
-/// The keys of a face of soil with water as a field, which may also be given by a shape.
+/// The keys of a face on the soil's surface: those of any face and, in 3D with water as a field, the shape `within`.
 void declare_on_soil(Keys& keys, Face& f) {
   declare(keys, f);
   keys.optional_table("within",

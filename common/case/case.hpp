@@ -282,8 +282,8 @@ struct FluidCase {
   double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, up to +-jitter)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
-  /// The soil's velocity in the drag: either the one at the water's points, Eqs. (64)/(73), or a sum over pairs, Eqs.
-  /// (67)/(74), with G = d (smoothed) or, as the paper prints it, G = 1/d, with the number d of dimensions.
+  /// How drag uses the soil's velocity: at the water's points, Eqs. (64)/(73), or in a sum over pairs, Eqs. (67)/(74),
+  /// whose factor G is the number d of dimensions (smoothed) or, as printed in the paper, 1/d (smoothed_as_printed).
   enum class DragForm { pointwise, smoothed, smoothed_as_printed };
   DragForm drag_form = DragForm::pointwise;
   /// The pressure solve predicts how the skeleton responds. If false: plain staggering, to show where it is unstable.

@@ -165,7 +165,7 @@ class Participant::Implementation {
     try {
       send(message_of(Abort{name_, reason, code}, step_));
     } catch (const std::exception&) {
-      // The first cause has been reported; the coupler notices that the connection closes.
+      // The caller throws the error that led here once more; the coupler notices that the connection closes.
     }
   }
 

@@ -9,8 +9,8 @@
 
 namespace poretwin::coupling {
 
-/// Range of accepted numbers. Soil and water cannot have values outside it. In a run that is about to diverge the
-/// values stay inside for a while, so that its own solver can report the divergence.
+/// Range of accepted values; soil and water have none outside it. A solver that begins to diverge still sends values
+/// inside it for a while, and so can report the divergence itself before its values are refused.
 struct Bounds {
   double low = 0.0, high = 0.0;
   /// "a number in [0, 1) m/s"; unit in SI, "1" if there is no unit.

@@ -12,8 +12,8 @@ namespace poretwin {
 /// Polygons are divided into triangles. Throws CaseError with what was expected and found, and in which line or facet.
 Triangles parse_mesh(std::string_view text, std::string_view ending);
 
-/// The body below a terrain, down to an elevation [m]. Heights are those of the grid's points, or of the cells'
-/// centres, with two triangles between four of them. Throws the same errors as parse_mesh.
+/// The closed body between a terrain and the elevation `bottom` [m]. Heights lie on a grid: at its points (.xyz) or in
+/// the centres of its cells (.asc); two triangles join each four neighbours. Throws the same errors as parse_mesh.
 Triangles parse_terrain(std::string_view text, std::string_view ending, double bottom);
 
 }  // namespace poretwin

@@ -32,8 +32,8 @@ class Domain {
   /// One of several ranks. `ranks` must outlive this object.
   Domain(const Ranks& ranks, std::size_t owned, std::size_t halo) : ranks_(&ranks), owned_(owned), halo_(halo) {}
 
-  /// For an array with n numbers of owned particles. each: how many numbers each particle has (if there is a halo).
-  /// with_halo: the array's length with the halo.
+  /// One array holds n numbers for the owned particles. each: its numbers per particle (1 if there is only one rank).
+  /// with_halo: its length after the numbers of the halo's particles have been appended.
   [[nodiscard]] std::size_t each(std::size_t n) const { return owned_ == 0 ? 1 : n / owned_; }
   [[nodiscard]] std::size_t with_halo(std::size_t n) const { return n + halo_ * each(n); }
   /// Fills the halo's numbers in an array of owned and halo particles, with `each` numbers per particle.

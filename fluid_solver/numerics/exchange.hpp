@@ -6,7 +6,7 @@
 
 namespace poretwin::fluid::exchange {
 
-/// The case's porosity is used where the porosity mapped from the soil in front of a face differs from it by less.
+/// The porosity behind a face changes to the one mapped from the soil before it if they differ by at least this value.
 /// Unit: 1. Test: Python.AnotherSoilThanTheCaseDrawsIsUsedAtFacesToo (untried).
 inline constexpr double same_porosity = 1e-3;
 /// A point counts as in soil where the volume fraction of the grains is at least this.

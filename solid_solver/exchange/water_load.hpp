@@ -66,8 +66,8 @@ template <int D>
 void store_water_force(const Setup<D>& setup, const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse,
                        double interval, State<D>& state);
 
-/// Position [m] at which a particle is published to the water. For soil that cannot yield it is the position in the
-/// case's drawing: the settlement under its weight would move the soil away from its faces.
+/// Position [m] at which a particle is published to the water. In soil that cannot yield it omits the settlement before
+/// time zero, which would move the soil away from its faces: these stay where the case draws them.
 template <int D>
 Vec<D> reference_position(const Setup<D>& setup, const State<D>& state, std::size_t i) {
   const Vec<D>& x = state.particles.position[i];

@@ -15,7 +15,7 @@ inline constexpr double local_share = 0.05;
 /// A change of the degree of saturation by more than this ends the rest of soil whose cohesion depends on saturation.
 /// Unit: 1. Test: Regions.WakeForWater (untried).
 inline constexpr double softening = 0.01;
-/// Waves are damped in soil that is computed without water where the departure from rest (rms) is below this value.
+/// Waves are damped while the departure of the soil from rest (docs/theory/equilibrium.md; rms) is below this value.
 /// Unit: `wake_above` of the case. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
 inline constexpr double damped_below = 10.0;
 

@@ -16,7 +16,7 @@ inline constexpr double courant = 1.0;
 /// in disordered soil is 1.6.
 /// Unit: 1. Test: GravityColumn.AWedgeOfGrainsOnARoughWallTakesLongerSteps (untried).
 inline constexpr double courant_soft_2d = 1.4;
-/// Courant number of the substeps of soil with soft edges in 3D. The measured limit of stability is 1.5.
+/// Courant number of the substeps of soil with soft edges (docs/theory/soil.md) in 3D. Measured stability limit: 1.5.
 /// Unit: 1. Test: none known.
 inline constexpr double courant_soft_3d = 1.3;
 
@@ -66,10 +66,10 @@ inline constexpr double undrained = 0.2;
 /// again. It applies each time that the soil begins to move.
 /// Unit: 1. Test: none known.
 inline constexpr double patience_grows = 2.0;
-/// Least time for which moving soil must have been calm before an equilibrium is searched for again.
+/// Lower limit of the calm time (patience_grows) after which an equilibrium of moving soil is searched for again.
 /// Unit: long windows. Test: none known.
 inline constexpr double least_patience = 5.0;
-/// Longest time for which moving soil must have been calm before an equilibrium is searched for again.
+/// Upper limit of the calm time (patience_grows) after which an equilibrium of moving soil is searched for again.
 /// Unit: long windows. Test: none known.
 inline constexpr double most_patience = 100.0;
 

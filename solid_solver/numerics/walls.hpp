@@ -4,7 +4,7 @@
 
 namespace poretwin::solid::walls {
 
-/// A particle touches a wall where the effect of the wall's slip on its velocity gradient is at least this value.
+/// A particle touches a wall if a unit of wall slip lowers its velocity gradient across the wall by this value or more.
 /// Unit: 1 / spacing. Test: FrictionalWall.HoldsALayerBelowItsAngle (untried).
 inline constexpr double touches_from = 0.05;
 /// The slopes of the stress along a frictional wall are evaluated where at least this fraction of the spread of the

@@ -99,8 +99,8 @@ double unborne(const Particles<D>& p, const Tracking<D>& tracking, double refere
   return over_weight(p, drive, force, reference);
 }
 
-/// The force, over the weight (rms), that the soil's remaining departure from the predicted motion would need in a
-/// repeated window: inertia, and the water's impedance (docs/theory/coupling.md, section 3).
+/// Force, as the rms of its ratio to the weight, that would bring the soil from its velocity to the predicted one in a
+/// repeated window, against inertia and the water's impedance (docs/theory/coupling.md, section 3).
 template <int D>
 double departure_from(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                       State<D>& state) {
