@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -69,6 +70,74 @@ void expect_success(const Communicator& all, int code, const char* call) {
                 fmt::format("rank {} of {}: {} failed with code {}", all.rank(), all.size(), call, code));
 }
 
+/// Tiles with these sides. Zoltan gives sides without a neighbour as the largest number.
+template <int D>
+std::vector<Box<D>> boxes(std::span<const double> sides) {
+  std::vector<Box<D>> tiles(sides.size() / (2 * D));
+  const double* next = sides.data();
+  const auto open = [](double side) {
+    return std::abs(side) == std::numeric_limits<double>::max() ? std::copysign(infinity, side) : side;
+  };
+  for (auto& tile : tiles) {
+    for (int d = 0; d < D; ++d) tile.lower[d] = open(*next++);
+    for (int d = 0; d < D; ++d) tile.upper[d] = open(*next++);
+  }
+  return tiles;
+}
+
+/// Sides of all tiles as Zoltan cuts them, [ranks][lower, upper][D], with the same bits on every rank.
+template <int D>
+std::vector<double> sides_of_tiles(const Communicator& all, Cloud<D> cloud, const char* average_cuts) {
+  float version = 0.0F;
+  expect_success(all, Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
+  Zoltan zoltan(all.mpi().handle);
+  using Setting = std::array<const char*, 2>;
+  for (const auto& [name, value] :
+       {Setting{"DEBUG_LEVEL", "0"}, Setting{"LB_METHOD", "RCB"}, Setting{"NUM_GID_ENTRIES", "1"},
+        Setting{"NUM_LID_ENTRIES", "1"}, Setting{"OBJ_WEIGHT_DIM", "1"}, Setting{"RETURN_LISTS", "NONE"},
+        Setting{"KEEP_CUTS", "1"}, Setting{"AVERAGE_CUTS", average_cuts}})
+    expect_success(all, Zoltan_Set_Param(zoltan.handle, name, value), name);
+  Zoltan_Set_Num_Obj_Fn(zoltan.handle, count_points<D>, &cloud);
+  Zoltan_Set_Obj_List_Fn(zoltan.handle, list_points<D>, &cloud);
+  Zoltan_Set_Num_Geom_Fn(zoltan.handle, count_coordinates<D>, &cloud);
+  Zoltan_Set_Geom_Multi_Fn(zoltan.handle, list_coordinates<D>, &cloud);
+  int changes = 0, n_global = 0, n_local = 0, n_in = 0, n_out = 0;
+  ZOLTAN_ID_PTR in_global = nullptr, in_local = nullptr, out_global = nullptr, out_local = nullptr;
+  int *in_from = nullptr, *in_part = nullptr, *out_to = nullptr, *out_part = nullptr;
+  expect_success(all,
+                 Zoltan_LB_Partition(zoltan.handle, &changes, &n_global, &n_local, &n_in, &in_global, &in_local,
+                                     &in_from, &in_part, &n_out, &out_global, &out_local, &out_to, &out_part),
+                 "Zoltan_LB_Partition");
+
+  std::vector<double> sides;
+  for (int r = 0; r < all.size(); ++r) {
+    int dimensions = 0;
+    std::array<double, 3> low{}, high{};
+    expect_success(
+        all, Zoltan_RCB_Box(zoltan.handle, r, &dimensions, &low[0], &low[1], &low[2], &high[0], &high[1], &high[2]),
+        "Zoltan_RCB_Box");
+    sides.insert(sides.end(), low.begin(), low.begin() + D);
+    sides.insert(sides.end(), high.begin(), high.begin() + D);
+  }
+  // Rank 0's numbers are used by all.
+  const std::size_t n = sides.size();
+  sides = all.gather(std::span<const double>(sides), 'c');
+  sides.resize(n);
+  return sides;
+}
+
+/// Whether no place is in two tiles.
+template <int D>
+bool disjoint(std::span<const Box<D>> tiles) {
+  const auto empty = [](const Box<D>& box) { return (box.lower.array() >= box.upper.array()).any(); };
+  for (std::size_t r = 0; r < tiles.size(); ++r)
+    for (std::size_t s = r + 1; s < tiles.size(); ++s)
+      if (!empty(tiles[r]) && !empty(tiles[s]) && (tiles[r].upper.array() > tiles[s].lower.array()).all() &&
+          (tiles[s].upper.array() > tiles[r].lower.array()).all())
+        return false;
+  return true;
+}
+
 }  // namespace
 
 template <int D>
@@ -87,7 +156,7 @@ int Partition<D>::owner(const Vec<D>& x, int guess) const {
     if (holds(tiles_[r])) return static_cast<int>(r);
   std::string place;
   for (int d = 0; d < D; ++d) place += fmt::format("{}{:g}", d == 0 ? "" : ", ", x[d]);
-  throw DivergedError(fmt::format("a particle is at ({}) m, which is no place: no rank can own it", place));
+  throw DivergedError(fmt::format("a particle is at ({}) m, which no tile holds", place));
 }
 
 template <int D>
@@ -120,52 +189,15 @@ Partition<D> bisect(const Communicator& all, std::span<const Vec<D>> points, std
   }
   if (all.size() == 1 || sum.points == 0.0) return Partition<D>(all.size());
 
-  float version = 0.0F;
-  expect_success(all, Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
-  Zoltan zoltan(all.mpi().handle);
-  // KEEP_CUTS: every rank knows all tiles afterwards. AVERAGE_CUTS: cuts lie between points and not on them, so that a
-  // rounding error does not move a row of points to another rank.
-  using Setting = std::array<const char*, 2>;
-  for (const auto& [name, value] :
-       {Setting{"DEBUG_LEVEL", "0"}, Setting{"LB_METHOD", "RCB"}, Setting{"NUM_GID_ENTRIES", "1"},
-        Setting{"NUM_LID_ENTRIES", "1"}, Setting{"OBJ_WEIGHT_DIM", "1"}, Setting{"RETURN_LISTS", "NONE"},
-        Setting{"KEEP_CUTS", "1"}, Setting{"AVERAGE_CUTS", "1"}})
-    expect_success(all, Zoltan_Set_Param(zoltan.handle, name, value), name);
-  Cloud<D> cloud{points, load, sum.load == 0.0};
-  Zoltan_Set_Num_Obj_Fn(zoltan.handle, count_points<D>, &cloud);
-  Zoltan_Set_Obj_List_Fn(zoltan.handle, list_points<D>, &cloud);
-  Zoltan_Set_Num_Geom_Fn(zoltan.handle, count_coordinates<D>, &cloud);
-  Zoltan_Set_Geom_Multi_Fn(zoltan.handle, list_coordinates<D>, &cloud);
-  int changes = 0, n_global = 0, n_local = 0, n_in = 0, n_out = 0;
-  ZOLTAN_ID_PTR in_global = nullptr, in_local = nullptr, out_global = nullptr, out_local = nullptr;
-  int *in_from = nullptr, *in_part = nullptr, *out_to = nullptr, *out_part = nullptr;
-  expect_success(all,
-                 Zoltan_LB_Partition(zoltan.handle, &changes, &n_global, &n_local, &n_in, &in_global, &in_local,
-                                     &in_from, &in_part, &n_out, &out_global, &out_local, &out_to, &out_part),
-                 "Zoltan_LB_Partition");
-
-  // [ranks][lower, upper][D]. Rank 0's numbers are used by all, so that they have the same bits.
-  std::vector<double> sides;
-  for (int r = 0; r < all.size(); ++r) {
-    int n = 0;
-    std::array<double, 3> low{}, high{};
-    expect_success(all, Zoltan_RCB_Box(zoltan.handle, r, &n, &low[0], &low[1], &low[2], &high[0], &high[1], &high[2]),
-                   "Zoltan_RCB_Box");
-    sides.insert(sides.end(), low.begin(), low.begin() + D);
-    sides.insert(sides.end(), high.begin(), high.begin() + D);
+  const Cloud<D> cloud{points, load, sum.load == 0.0};
+  // AVERAGE_CUTS: cuts lie between points, and not on one, so that a row of a lattice is not divided by rounding
+  // errors. Where one side of a cut has no points, as with fewer points than ranks, such a mean lies far outside, and
+  // parts of that side overlap others; cuts on points do not.
+  for (const char* const average : {"1", "0"}) {
+    const auto tiles = boxes<D>(sides_of_tiles<D>(all, cloud, average));
+    if (disjoint<D>(tiles)) return Partition<D>(tiles);
   }
-  sides = all.gather(std::span<const double>(sides), 'c');
-  // Zoltan gives the sides without neighbours as the largest number.
-  const auto open = [](double side) {
-    return std::abs(side) == std::numeric_limits<double>::max() ? std::copysign(infinity, side) : side;
-  };
-  std::vector<Box<D>> tiles(static_cast<std::size_t>(all.size()));
-  std::size_t k = 0;
-  for (auto& tile : tiles) {
-    for (int d = 0; d < D; ++d) tile.lower[d] = open(sides[k++]);
-    for (int d = 0; d < D; ++d) tile.upper[d] = open(sides[k++]);
-  }
-  return Partition<D>(std::move(tiles));
+  throw Error(ExitCode::failure, "space cannot be cut: two of Zoltan's tiles overlap");
 }
 
 double imbalance(const Communicator& all, double load) {

@@ -147,9 +147,12 @@ TEST(MpiRanks, RanksThatExchangeDifferentNumbersAreNamed) {
     EXPECT_THAT(found, testing::HasSubstr("of 8 bytes from rank " + std::to_string(all.size() - 1)));
     EXPECT_THAT(found, testing::HasSubstr("rank 0 of"));
   }
-  if (all.rank() == all.size() - 1)
+  if (all.rank() == all.size() - 1) {
     EXPECT_THAT(found, testing::HasSubstr("expected 16 bytes from rank " + std::to_string(all.size() - 2) + ", got 8"));
-  if (all.rank() > 0 && all.rank() < all.size() - 1) EXPECT_EQ(found, "");
+  }
+  if (all.rank() > 0 && all.rank() < all.size() - 1) {
+    EXPECT_EQ(found, "");
+  }
 }
 
 TEST(Communicator, ARankAtAnotherCallIsNamed) {
