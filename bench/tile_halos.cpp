@@ -18,10 +18,12 @@ using namespace poretwin::tiles;
 
 namespace {
 
-/// Number of points in the halo of a tile inside many others: a cube of n^D points, surrounded by k spacings, with
-/// round edges and corners.
-double expected_halo(int dimensions, double n, double k) {
+/// Number of points in the halo of a tile inside many others: a cube of n^D points and a layer around it with round
+/// edges and corners. The outermost points lie half a spacing inside the cube, so that the layer is as much thinner
+/// than `reach` [spacings].
+double expected_halo(int dimensions, double n, double reach) {
   constexpr double pi = std::numbers::pi;
+  const double k = reach - 0.5;
   if (dimensions == 2) return 4.0 * k * n + pi * k * k;
   return 6.0 * k * n * n + 3.0 * pi * k * k * n + 4.0 / 3.0 * pi * k * k * k;
 }
