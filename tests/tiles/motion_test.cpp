@@ -11,30 +11,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 namespace poretwin::tiles {
 namespace {
 
 template <int D>
 struct Scene {
-  std::size_t side;     ///< particles along a side of the unit square or cube
-  double share = 0.15;  ///< imbalance of the numbers of particles at which space is cut anew
+  std::size_t side;                       ///< particles along a side of the unit square or cube
+  double share = 0.15;                    ///< imbalance of the numbers of particles at which space is cut anew
+  Vec<D> drift = Vec<D>::Constant(0.15);  ///< of the whole run [m]
+  double vortex = 0.15;                   ///< largest displacement by the vortex in the whole run [m]
   [[nodiscard]] double dx() const { return 1.0 / static_cast<double>(side); }
   [[nodiscard]] double h() const { return 1.25 * dx(); }
   [[nodiscard]] double radius() const { return sph::support_radius * h(); }
   [[nodiscard]] double skin() const { return 0.9 * dx(); }
   static constexpr int steps = 50;
 
-  /// Mass of a particle [kg], and where a step moves it: a vortex and a drift, so that particles leave their tile on
-  /// every side and the tiles' loads drift apart.
+  /// Mass of a particle [kg], and where a step moves it.
   [[nodiscard]] static double mass(GlobalId id) { return 1.0 + 0.3 * std::sin(static_cast<double>(id)); }
-  [[nodiscard]] static Vec<D> moved(const Vec<D>& x) {
-    constexpr double dt = 0.5 / steps, pi = std::numbers::pi;
-    Vec<D> v = Vec<D>::Constant(0.3);
-    v[0] -= 0.3 * std::sin(pi * x[1]) * std::cos(pi * x[0]);
-    v[1] += 0.3 * std::cos(pi * x[1]) * std::sin(pi * x[0]);
-    return x + dt * v;
+  [[nodiscard]] Vec<D> moved(const Vec<D>& x) const {
+    constexpr double pi = std::numbers::pi;
+    Vec<D> by = drift;
+    by[0] -= vortex * std::sin(pi * x[1]) * std::cos(pi * x[0]);
+    by[1] += vortex * std::cos(pi * x[1]) * std::sin(pi * x[0]);
+    return x + by / steps;
   }
 };
 
@@ -87,10 +90,12 @@ ScalarArray solve(const Domain& domain, const VecArray<D>& x, const std::vector<
 /// Counts of a run, the same on every rank.
 struct Events {
   double rebuilt = 0, migrated = 0, cut = 0, halo = 0;
+  std::vector<double> owned;  ///< particles of each rank at the end
 };
 
+/// fixed: tiles that are kept; none: they are cut by load.
 template <int D>
-Events run(const Scene<D>& scene) {
+Events run(const Scene<D>& scene, const std::optional<Partition<D>>& fixed = {}) {
   const auto& all = all_ranks();
   // What one rank computes of all particles, whose numbers are their ids.
   VecArray<D> whole = scattered<D>(scene.side);
@@ -113,7 +118,7 @@ Events run(const Scene<D>& scene) {
   }
   ParticleArrays arrays;
   arrays.add(x).add(mass);
-  Partition<D> partition = bisect<D>(all, x, ScalarArray(x.size(), 1.0));
+  Partition<D> partition = fixed ? *fixed : bisect<D>(all, x, ScalarArray(x.size(), 1.0));
   MpiRanks ranks(all);
   sph::PairList pairs;
   std::vector<std::size_t> inner, outer;  // rows without and with neighbours in the halo
@@ -126,7 +131,7 @@ Events run(const Scene<D>& scene) {
         lists_outdated<D>(ranks.domain(), std::span(x).first(owned), std::span(at).first(owned), scene.skin())) {
       x.resize(owned);
       mass.resize(owned);
-      if (!first && imbalance(all, static_cast<double>(owned)) > scene.share) {
+      if (!first && !fixed && imbalance(all, static_cast<double>(owned)) > scene.share) {
         partition = bisect<D>(all, x, ScalarArray(owned, 1.0));
         events.cut += 1;
       }
@@ -169,7 +174,7 @@ Events run(const Scene<D>& scene) {
     }
     EXPECT_EQ(ranks.domain().sum(static_cast<double>(n)), static_cast<double>(whole.size()));
 
-    if (step % 25 == 0) {
+    if (step == 0 || step == scene.steps) {
       int iterations = 0, whole_iterations = 0;
       const ScalarArray u = solve<D>(ranks.domain(), x, halo_ids, pairs, scene.h(), iterations);
       const ScalarArray expected = solve<D>({}, whole, whole_ids, whole_pairs, scene.h(), whole_iterations);
@@ -185,6 +190,8 @@ Events run(const Scene<D>& scene) {
   std::array<double, 2> sums{events.migrated, events.halo};
   ranks.sum(sums);
   events.migrated = sums[0];
+  const auto owned = static_cast<double>(ids.size());
+  events.owned = all.gather(std::span<const double>(&owned, 1));
   events.halo = sums[1] / events.rebuilt;
   return events;
 }
@@ -208,6 +215,24 @@ void expect_one_rank_s_results(std::size_t side) {
 
 TEST(Motion, DensitiesAndSolutionsAreThoseOfOneRank2D) { expect_one_rank_s_results<2>(24); }
 TEST(Motion, DensitiesAndSolutionsAreThoseOfOneRank3D) { expect_one_rank_s_results<3>(9); }
+
+TEST(Motion, ATileThatAllParticlesLeaveTakesPart) {
+  // Slabs across the drift, which carries all particles out of the first.
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto& all = all_ranks();
+  std::vector<Box<2>> slabs(static_cast<std::size_t>(all.size()),
+                            {Vec<2>::Constant(-infinity), Vec<2>::Constant(infinity)});
+  for (int r = 0; r + 1 < all.size(); ++r)
+    slabs[static_cast<std::size_t>(r)].upper[0] = slabs[static_cast<std::size_t>(r) + 1].lower[0] = 0.3 * (r + 1);
+  Scene<2> scene{16};
+  scene.drift = {0.75, 0.0};
+  scene.vortex = 0.0;
+  const Events events = run<2>(scene, Partition<2>(slabs));
+  for (int r = 0; r + 1 < all.size(); ++r) {
+    const double n = events.owned[static_cast<std::size_t>(r)];
+    EXPECT_EQ(n == 0.0, r < 2) << n << " particles of rank " << r;
+  }
+}
 
 }  // namespace
 }  // namespace poretwin::tiles
