@@ -8,31 +8,22 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 namespace poretwin::tiles {
 namespace {
 
-/// Values of rank r whose sum depends on the order of summation.
-double awkward(int r) { return std::pow(10.0, 16.0 - 5.0 * r) * (r % 2 == 0 ? 1.0 : -1.0) / 3.0; }
-
 TEST(MpiRanks, SumAndMaximumHaveTheSameBitsOnEveryRank) {
   const auto& all = all_ranks();
   const MpiRanks ranks(all);
-  std::array<double, 2> values{awkward(all.rank()), 1.0}, most{awkward(all.rank()), static_cast<double>(-all.rank())};
+  // In the order of the ranks each one is lost in rounding; in another order from three ranks on some are not.
+  const double own = all.rank() == 0 ? 1e16 : 1.0;
+  std::array<double, 2> values{own, 1.0}, most{own, static_cast<double>(-all.rank())};
   ranks.sum(values);
   ranks.max(most);
-  double sum = 0.0, largest = -std::numeric_limits<double>::infinity();
-  for (int r = 0; r < all.size(); ++r) {
-    sum += awkward(r);
-    largest = std::max(largest, awkward(r));
-  }
-  EXPECT_EQ(std::bit_cast<std::uint64_t>(values[0]), std::bit_cast<std::uint64_t>(sum));
+  EXPECT_EQ(values[0], 1e16);
   EXPECT_EQ(values[1], all.size());
-  EXPECT_EQ(most[0], largest);
+  EXPECT_EQ(most[0], 1e16);
   EXPECT_EQ(most[1], 0.0);
   ranks.sum({});
 }
