@@ -101,6 +101,7 @@ class Supported : Complaints {
   /// close to a wall that is a single line.
   void partitions(Keeps what) const {
     const bool water = what == Keeps::water;
+    const char *const matter = water ? "water" : "soil", *const phase = water ? "fluid" : "solid";
     const double dx = water ? scene_.fluid.particle_spacing : scene_.solid.particle_spacing;
     const auto hindered = hinders_sight(scene_, what);
     for (const auto& thin : thin_walls(scene_, what)) {
@@ -108,15 +109,14 @@ class Supported : Complaints {
       if (hindered && thin.thickness == 0.0)
         fail(key, fmt::format("runs through a [[{}]], for example at {} m; a wall that is one line keeps {} apart, but "
                               "not {}: expected {} on its left side only",
-                              water ? "fluid.region" : "soil", shown(thin.at), water ? "water" : "soil", *hindered,
-                              water ? "water" : "soil"));
+                              water ? "fluid.region" : "soil", shown(thin.at), matter, *hindered, matter));
       else if (hindered)
         fail(key, fmt::format("is {:.4g} m thick at {} m, {:.2g} particle spacings, with {} on {}: particles would "
                               "interact through it {}; expected {:.4g} m or more, {:g} spacings: draw it "
                               "thicker, or give a {}.particle_spacing of {:.3g} m or less",
-                              thin.thickness, shown(thin.at), thin.thickness / dx, water ? "water" : "soil",
+                              thin.thickness, shown(thin.at), thin.thickness / dx, matter,
                               thin.both_sides ? "both sides" : "one side", *hindered, thin.least, thin.least / dx,
-                              water ? "fluid" : "solid", thin.thickness / (thin.least / dx)));
+                              phase, thin.thickness / (thin.least / dx)));
       else if (thin.thickness == 0.0)
         rows_beside(thin.wall, what);
     }

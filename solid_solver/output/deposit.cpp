@@ -78,10 +78,10 @@ double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const V
   typename sph::Sight<D>::Near walls;
   double sum = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    sight.find_near(p.position[i], reach, walls);
     for (Index k = 0; k < seen.size(); ++k) {
       const double weight = p.volume[i] * sph::WendlandC2<D>::value((seen[k] - p.position[i]).norm(), h);
       if (weight <= 0.0) continue;
+      sight.find_near(p.position[i], reach, walls);
       const bool open = k == 0 ? sight.open(p.position[i], place, walls)
                                : sight.sees(p.position[i], k, 1, seen, images.by, images.of, walls);
       if (open) sum += weight;
