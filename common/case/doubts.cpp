@@ -32,13 +32,14 @@ class Doubts : Complaints {
     own_weight();
     rows_at_an_angle();
     if (scene_.has_water()) faces_never_wet();
-    if (scene_.has_water() && !scene_.is_field()) {
+    if (scene_.has_water() && !scene_.is_field() && !scene_.is_both()) {
       no_water();
       piles_of_one_row();
       faces_that_end_on_walls();
       narrow_water();
     }
-    if (!scene_.is_field()) few_rows();
+    if (scene_.is_both()) narrow_water();
+    if (!scene_.is_field() && !scene_.is_both()) few_rows();
     if (scene_.is_field() && d_ == 3) faces_that_end_in_soil();
     without_effect();
     return std::move(lines_);
@@ -432,11 +433,20 @@ class Doubts : Complaints {
   /// Warns of parameters that belong to another material than the soil's.
   template <class Idle>
   void own_numbers(const Idle& idle, MaterialName model, const std::string& soil) {
-    const auto mine = material(model).keys;
+    const Material mine = material(model);
+    const auto is_of_law = [](std::string_view key) {
+      return std::ranges::any_of(porous::seepage_laws(), [&](const auto& law) {
+        return std::ranges::any_of(law.parameters, [&](const auto& p) { return p.key == key; });
+      });
+    };
     for (const Material& other : materials())
       for (const MaterialKey& key : other.keys)
-        idle(fmt::format("{}.{}", soil, key.name), std::ranges::find(mine, key.name, &MaterialKey::name) == mine.end(),
+        idle(fmt::format("{}.{}", soil, key.name), !mine.has_key(key.name) && !is_of_law(key.name),
              fmt::format("it belongs to soil.model = \"{}\"", other.name));
+    for (const char* key : {"cohesion", "friction_angle", "dilation_angle", "tensile_strength", "cone",
+                            "maximum_void_ratio", "saturated_cohesion"})
+      idle(fmt::format("{}.{}", soil, key), mine.strength == Material::Strength::own,
+           fmt::format("soil.model = \"{}\" has a strength of its own", mine.name));
   }
   template <class Idle>
   void shapes(const Idle& idle) {

@@ -1,4 +1,5 @@
-// Walls through which a kernel reaches: thinner than its support, or single lines with water or soil on both sides (2D).
+// Walls through which a kernel reaches: thinner than its support, or single lines with water or soil on both sides
+// (2D).
 #pragma once
 
 #include "common/case/case.hpp"

@@ -65,8 +65,8 @@ std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state,
   return pieces;
 }
 
-/// Coverage by the particles that see a place or its images past thin walls: a particle sees an image of the place along
-/// the line along which the place sees the particle's image.
+/// Coverage by the particles that see a place or its images past thin walls: a particle sees an image of the place
+/// along the line along which the place sees the particle's image.
 template <int D>
 double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const Vec<D>& place) {
   const auto& p = state.particles;

@@ -16,7 +16,7 @@ namespace poretwin::solid {
 enum class Reach {
   material,  ///< periodic images only: stresses, pressures and fractions have a kink at a mirror plane
   motion,    ///< all images but those of frictional walls and of plates: velocities are reversed at fixed walls and
-           ///< mirrored at rollers
+             ///< mirrored at rollers
 };
 
 /// Interpolated value at x [m] of value(particle, velocity map of the image); NaN outside the soil.

@@ -331,9 +331,9 @@ void expect_lower_moduli_at_edges() {
   gradient(1, 1) = -0.5;
   auto [setup, state] = deforming_block<D>(gradient, SolidCase::Model::elastic);
   State<D> stiff = state;
-  strain<D>(setup, 1e-3, stiff);
+  strain<D>(setup, 1e-3, 1e-3, stiff);
   setup.soft_edges = true;
-  strain<D>(setup, 1e-3, state);
+  strain<D>(setup, 1e-3, 1e-3, state);
   double least = 1.0;
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
     const double share = share_at_edge(state, i);
