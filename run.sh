@@ -5,6 +5,6 @@ cd "$(dirname "$0")"
 . scripts/setup.sh
 
 install_packages
-build release poretwin poretwin-coupler poretwin-fluid poretwin-pore poretwin-solid
+build release poretwin poretwin-coupler poretwin-fluid poretwin-pore poretwin-joint poretwin-solid
 say "running: ${1:-terzaghi}"
 exec build/release/bin/poretwin run "${@:-terzaghi}"

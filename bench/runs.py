@@ -11,7 +11,7 @@ import time
 
 import numpy as np
 
-PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-pore", "poretwin-solid", "poretwin-coupler"]  # programs of a build, in bin/
+PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-pore", "poretwin-joint", "poretwin-solid", "poretwin-coupler"]  # programs of a build, in bin/
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" / "bin" / "poretwin"
 
 

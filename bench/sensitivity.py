@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Halves and doubles constants of fluid_solver/numerics, pore_solver/numerics and solid_solver/numerics, and reports which tests then fail.
+"""Halves and doubles constants of fluid_solver/numerics, pore_solver/numerics, joint_solver/numerics and solid_solver/numerics, and reports which tests then fail.
 
     bench/sensitivity.py --list                              prints all constants
     bench/sensitivity.py fluid.surface.hole solid.walls      tries one constant and all constants of a header, each with the test that
@@ -28,7 +28,7 @@ from runs import PROGRAMS
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = SOURCE / "docs" / "notebook" / "sensitivity.md"
-SOLVERS = ("fluid", "pore", "solid")
+SOLVERS = ("fluid", "pore", "joint", "solid")
 ENTRY = re.compile(r"^(?P<reason>(?:/// .*\n)+)/// Unit: (?P<unit>.+?)\. Test: (?P<test>.+)\.\n"
                    r"inline constexpr (?P<type>[\w:]+) (?P<name>\w+) = (?P<value>[^;]+);", re.MULTILINE)
 HEAD = """# Sensitivity of the chosen numbers
@@ -93,7 +93,7 @@ def short_forms(root, solver):
         case = tomllib.loads((verify.parent / "case.toml").read_text())
         moves = "soil" in case and case.get("solid", {}).get("model") != "rigid"
         fluid = case.get("fluid", {})
-        if {"solid": moves, "pore": fluid.get("representation") == "field", "fluid": fluid.get("region")}[solver]:
+        if {"solid": moves, "pore": fluid.get("representation") in ("field", "both"), "joint": fluid.get("representation") == "both", "fluid": fluid.get("region")}[solver]:
             yield verify.parent.name
 
 

@@ -26,9 +26,9 @@ ParticleCount count(const Case& scene) {
   const auto count = [&](const Shape& shape) {
     result.fluid += fill<D>(shape, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
   };
-  if (scene.is_field())
+  if (scene.is_field() || scene.is_both())
     for (const auto& soil : scene.soils) count(soil.shape);
-  else
+  if (!scene.is_field())
     for (const auto& region : f.regions) count(region);
   const auto& s = scene.solid;
   if (scene.deformable())
@@ -82,6 +82,7 @@ const char* phases(const Case& scene) {
   return scene.coupled()      ? (scene.is_field() ? "water as a field and solid coupled" : "fluid and solid coupled")
          : scene.deformable() ? "soil alone"
          : scene.is_field()   ? "water as a field in rigid soil"
+         : scene.is_both()    ? "free water as particles, and water as a field in rigid soil"
                               : "fluid alone in rigid soil";
 }
 
@@ -92,11 +93,11 @@ void expect_memory(const Case& scene) {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
                there = pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (!(pages > 0.0) || a.memory_bytes <= there) return;
-  throw CaseError(fmt::format(
-      "{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles: expected what this "
-      "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
-      scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
-      there / 1e9));
+  throw CaseError(
+      fmt::format("{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles: expected what this "
+                  "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
+                  scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
+                  there / 1e9));
 }
 
 ParticleCount count_particles(const Case& scene) {
@@ -127,7 +128,10 @@ std::string check_text(const Case& scene, const CheckReport& report) {
                       phases(scene));
   if (scene.has_water())
     text += fmt::format("fluid       {}{} {}, spacing {} m\n", about, particles.fluid,
-                        scene.is_field() ? "points" : "particles at the start", scene.fluid.particle_spacing);
+                        scene.is_field()  ? "points"
+                        : scene.is_both() ? "particles at the start and points in soil"
+                                          : "particles at the start",
+                        scene.fluid.particle_spacing);
   if (!scene.representation_chosen.empty()) text += fmt::format("auto        {}\n", scene.representation_chosen);
   if (scene.deformable())
     text +=

@@ -301,13 +301,18 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
       "--strain", e.strains,
       "axial strain to reach, compression positive, or shear strain; several: one after the other");
   strains->type_name("STRAIN")->expected(1, CLI::detail::expected_max_vector_size);
+  auto* loads = element_command->add_option(
+      "--stress", e.loads,
+      "in place of --strain: the axial effective stress to reach [Pa], in undrained compression the "
+      "deviator, in shear the shear stress");
+  loads->type_name("PA")->expected(1, CLI::detail::expected_max_vector_size)->excludes(strains);
   element_command
-      ->add_option("--stress", e.loads,
-                   "in place of --strain: the axial effective stress to reach [Pa], in undrained compression the "
-                   "deviator, in shear the shear stress")
-      ->type_name("PA")
-      ->expected(1, CLI::detail::expected_max_vector_size)
-      ->excludes(strains);
+      ->add_option("--rate", e.rate,
+                   "rate of the prescribed strain [1/s], where the strength depends on it "
+                   "(default: very slow)")
+      ->type_name("RATE")
+      ->check(CLI::PositiveNumber)
+      ->excludes(loads);
   element_command->add_option("--steps", e.steps, "from one value to the next")
       ->type_name("N")
       ->check(CLI::Range(1, 10000000))

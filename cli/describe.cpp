@@ -100,7 +100,7 @@ DescribedProgram describe_process(const std::string& process) {
   return program;
 }
 
-const std::vector<std::string> processes{"fluid", "pore", "solid", "coupler"};
+const std::vector<std::string> processes{"fluid", "pore", "joint", "solid", "coupler"};
 
 // Man pages
 

@@ -13,7 +13,9 @@
 #include <fmt/ranges.h>
 
 #include <charconv>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace poretwin::cli {
@@ -80,7 +82,7 @@ ElementResult run_element(const ElementOptions& options) {
   solid::Tensor start = solid::Tensor::Zero();
   start[1] = -options.pressure;
   start[0] = start[2] = -options.ratio * options.pressure;
-  Element sample(soil, *model, start);
+  Element sample(soil, *model, start, scene.water.density * scene.water.kinematic_viscosity);
 
   ElementResult result;
   result.names = {"axial_strain",
@@ -103,6 +105,9 @@ ElementResult run_element(const ElementOptions& options) {
   const bool by_load = !options.loads.empty();
   const double sign = test.shears ? 1.0 : -1.0;  // compression is positive in a laboratory test
   const solid::Tensor& s = sample.stress();
+  const auto duration = [&](double step) {
+    return options.rate ? std::abs(step) / *options.rate : std::numeric_limits<double>::infinity();
+  };
   double at = !by_load ? 0.0 : test.shears ? s[3] : test.undrained ? s[0] - s[1] : -s[1];
   try {
     for (const double to : by_load ? options.loads : options.strains) {
@@ -111,7 +116,7 @@ ElementResult run_element(const ElementOptions& options) {
         if (by_load)
           sample.load_to(test, sign * (at + step * k));
         else
-          sample.strain_by(test, sign * step);
+          sample.strain_by(test, sign * step, duration(step));
         tell();
       }
       at = to;

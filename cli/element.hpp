@@ -16,6 +16,7 @@ struct ElementOptions {
   double pressure = 0.0, ratio = 1.0;  ///< Pa, vertical effective stress at the start; horizontal over vertical stress
   std::vector<double> strains, loads;  ///< turning points of the strain or of the stress [Pa]; one list is empty
   int steps = 1000;                    ///< number of steps between two turning points
+  std::optional<double> rate;          ///< 1/s, of the prescribed strain; absent: very slow
   bool pictures = true;
 };
 

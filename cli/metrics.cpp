@@ -79,6 +79,10 @@ void declare(Keys& keys, Metric& m) {
   keys.text("coarse", m.coarse, {"", "With `order`: the run with twice the spacing."});
   keys.text("baseline", m.baseline, {"", "An earlier run; its value is subtracted from the value of this one."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
+  keys.number("absent", m.absent,
+              {"",
+               "Stands for readings that are not a number, of a gauge that lies outside its phase: 0 for a pressure "
+               "gauge that the water has not reached. Absent: such readings fail."});
   keys.number("limit", m.limit,
               {"", "Value that the readings tend to (`decay_rate`, `monotone`) or pass (`period`, `crossing`)."});
   keys.number("normaliser", m.normaliser,
@@ -256,7 +260,10 @@ class Judge {
     if (found == gauges_.end() || found->second.time.empty())
       throw Failure{fmt::format("no readings of gauge '{}'", name)};
     GaugeSeries series = found->second;
-    for (double& x : series.value) x *= m_.scale;
+    for (double& x : series.value) {
+      if (m_.absent && std::isnan(x)) x = *m_.absent;
+      x *= m_.scale;
+    }
     return series;
   }
   /// Readings of the gauges of a profile, summed with the metric's weights.

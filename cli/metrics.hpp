@@ -16,7 +16,7 @@ struct Metric {
   std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv, coarse, baseline;
   std::vector<std::string> gauges;
   std::vector<double> references, weights;
-  std::optional<double> at, from, to, limit, normaliser, reference, window, align;
+  std::optional<double> at, from, to, limit, normaliser, reference, window, align, absent;
   std::optional<Series> curve;
   std::optional<double> spread;
   double scale = 1.0, tolerance = 0.0;

@@ -95,7 +95,10 @@ class PrivateFolder {
 
 /// The program for a role in the run.
 fs::path program_file(const RunOptions& options, const Case& scene, const std::string& role) {
-  return options.programs / ("poretwin-" + (role == "fluid" && scene.is_field() ? "pore" : role));
+  const bool water = role == "fluid";
+  return options.programs / ("poretwin-" + (water && scene.is_field()  ? "pore"
+                                            : water && scene.is_both() ? "joint"
+                                                                       : role));
 }
 
 /// The user's own command in place of the built-in solver, with the solver's arguments appended; the shell splits the

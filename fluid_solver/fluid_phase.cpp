@@ -111,7 +111,13 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   MatArray<D> gradient;  // empty where all water is quasi-static
   if (!all_quasi_static(setup_, p, view)) gradient = velocity_gradient<D>(s, p.velocity, setup_.no_slip);
   auto forced = forced_velocity<D>(setup_, state_, s, view, gradient, dt);
-  in.source = volume_source<D>(setup_, state_, s, view, gradient, dt);
+  auto source = volume_source<D>(setup_, state_, s, view, gradient, dt);
+  BedPassage passage;
+  if (!state_.bed.empty()) {
+    passage = pass_bed(setup_, dt, state_);
+    add_bed_source<D>(passage, dt, p, source);
+  }
+  in.source = std::move(source);
   const bool explicit_drag = setup_.scheme == FluidCase::Scheme::eisph_explicit_drag;
   const bool returns = view.nonlinear() || explicit_drag;  // the drag for the window's initial relative velocity is
                                                            // needed again after the solve
@@ -146,8 +152,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   advance_columns(setup_, walls_.sight, s, view, out, dt, state_, came);
   push_pistons(0.5 * dt);
   move<D>(setup_, walls_, s, out, gradient, velocity_before, repair(setup_, state_, s, view, dt), dt, state_);
+  if (!state_.bed.empty()) change_volumes(setup_, passage, state_);
   follow_soil(view, state_);
   give_birth_and_delete(setup_, faces_, view, state_, came);
+  if (!state_.bed.empty()) even_volumes(setup_, state_);
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);
   walls_.place(state_.inlets);
@@ -176,6 +184,13 @@ void Fluid<D>::limit_next_window(const SoilView<D>& view, const coupling::Window
   limit_by_slowing(setup_, velocity_before, dt, state_);
   limit_by_acceleration(setup_, view, velocity_before, dt, state_);
   limit_scheme(setup_, view, state_);
+}
+
+template <int D>
+double Fluid<D>::volume() const {
+  double mass = 0.0;
+  for (const double m : state_.particles.mass) mass += m;
+  return mass / setup_.density;
 }
 
 template <int D>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
+#include "fluid_solver/boundary/bed.hpp"
 #include "fluid_solver/boundary/columns.hpp"
 #include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/exchange/passes.hpp"
@@ -38,6 +39,15 @@ class Fluid final : public Phase {
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
   [[nodiscard]] std::vector<Warning> warnings() const override;
+
+  /// Lets water through the bed, whose parts lie on walls.
+  void lay_bed(std::vector<BedPart<D>> bed) { state_.bed = std::move(bed); }
+  /// The free water before each part of the bed now.
+  [[nodiscard]] std::vector<BedWater> water_before_bed() const { return fluid::water_before_bed(setup_, state_); }
+  /// Sets the films on the bed [m^D], which turn into particles over the next `within` [s].
+  void turn_over(std::span<const double> film, double within) { fluid::turn_over(film, within, state_); }
+  /// Volume of all particles [m^D].
+  [[nodiscard]] double volume() const;
 
   [[nodiscard]] const State<D>& state() const { return state_; }
 

@@ -146,6 +146,16 @@ struct Balance {
   double in = 0.0, out = 0.0, initial = 0.0;
 };
 
+/// A part of the bed between free water and the ground (boundary/bed.hpp).
+template <int D>
+struct BedPart {
+  Vec<D> centre = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< m; unit, into the water
+  double film = 0.0;       ///< m^D, water on it that no particle has; negative: that the particles owe the ground
+  double rate = 0.0;       ///< m^D/s, at which the film turns into particles
+  double head_sum = 0.0;   ///< m s, integral of the pressure head at its centre over
+  double mean_time = 0.0;  ///< s
+};
+
 /// Impulse and work exchanged between water and soil since the start.
 template <int D>
 struct Exchanged {
@@ -170,6 +180,7 @@ struct State {
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
+  std::vector<BedPart<D>> bed;
   bool full = false;       ///< all soil is at rest and full of water from the start, and all faces are wet: no surface
                            ///< can form
   bool multigrid = false;  ///< the last pressure solve needed more than a few cycles of multigrid

@@ -1,9 +1,9 @@
 #include "pore_solver/network.hpp"
 
 #include "common/core/error.hpp"
-#include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/geometry/soil_outline.hpp"
 #include "pore_solver/cell_sides.hpp"
 #include "pore_solver/network_3d.hpp"
 #include "pore_solver/stretch.hpp"
@@ -20,8 +20,6 @@ namespace {
 
 /// Lengths below this value, in spacings, are rounding errors.
 constexpr double tiny = 1e-9;
-/// Largest distance from a line, in spacings, at which a place counts as on the line.
-constexpr double beside = 1e-3;
 
 /// A straight part of the soil's border, with the soil on its left, and the face and the rain of the case along this
 /// part.
@@ -34,13 +32,12 @@ struct BorderPart {
 class Border {
  public:
   explicit Border(const Case& scene) : scene_(scene), spacing_(scene.fluid.particle_spacing) {
-    for (std::size_t s = 0; s < scene.soils.size(); ++s) {
-      auto corners = corners_of(scene.soils[s].shape, 2);
-      double twice_area = 0.0;
-      for (std::size_t i = 0; i < corners.size(); ++i)
-        twice_area += cross(corners[i] - corners[0], corners[(i + 1) % corners.size()] - corners[0]);
-      if (twice_area < 0.0) std::reverse(corners.begin(), corners.end());
-      for (std::size_t i = 0; i < corners.size(); ++i) side(s, {corners[i], corners[(i + 1) % corners.size()]});
+    std::vector<Face> faces;
+    for (const auto& face : scene.water_faces) faces.push_back(face.face);
+    for (const auto& rain : scene.rains) faces.push_back(rain.face);
+    for (const auto& [piece, soil, line] : soil_outline(scene, spacing_, faces)) {
+      const Point3 middle = 0.5 * (piece.a + piece.b), inwards = piece.left();
+      parts_.push_back({piece, line, owner(scene.water_faces, middle, inwards), owner(scene.rains, middle, inwards)});
     }
   }
   [[nodiscard]] const std::vector<BorderPart>& parts() const { return parts_; }
@@ -49,7 +46,7 @@ class Border {
   /// Before that, divides the border into parts of at most a spacing.
   void move(const std::vector<Point3>& drawn, const std::vector<Point3>& now) {
     std::vector<BorderPart> moved;
-    lines_ = 0;
+    std::size_t lines = 0;
     for (const auto& part : parts_) {
       const Piece& whole = part.piece;
       const auto pieces = static_cast<int>(std::ceil(whole.length() / spacing_ - tiny));
@@ -58,7 +55,7 @@ class Border {
           const Point3 x = whole.a + (whole.b - whole.a) * k / pieces;
           return Point3(x + displacement(x, drawn, now));
         };
-        moved.push_back({{end(i), end(i + 1)}, lines_++, part.face, part.rain});
+        moved.push_back({{end(i), end(i + 1)}, lines++, part.face, part.rain});
       }
     }
     parts_ = std::move(moved);
@@ -80,38 +77,6 @@ class Border {
     return weights > 0.0 ? Point3(sum / weights) : sum;
   }
 
-  /// Adds a side of a soil, divided where a corner, a face or rain along it begins or ends.
-  void side(std::size_t soil, const Piece& whole) {
-    std::vector<double> cuts{0.0, whole.length()};
-    const Point3 along = (whole.b - whole.a).normalized();
-    const auto cut_at = [&](const Point3& x) {
-      const double s = along.dot(x - whole.a);
-      if (std::abs(cross(along, x - whole.a)) < beside * spacing_ && s > 0.0 && s < whole.length()) cuts.push_back(s);
-    };
-    for (const auto& other : scene_.soils)
-      for (const auto& x : corners_of(other.shape, 2)) cut_at(x);
-    for (const auto& face : scene_.water_faces)
-      for (const auto& x : face.face.points) cut_at(x);
-    for (const auto& rain : scene_.rains)
-      for (const auto& x : rain.face.points) cut_at(x);
-    std::sort(cuts.begin(), cuts.end());
-    const Point3 inwards = whole.left();
-    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      if (cuts[i + 1] - cuts[i] < tiny * spacing_) continue;
-      BorderPart part{{whole.a + cuts[i] * along, whole.a + cuts[i + 1] * along}, lines_};
-      const Point3 middle = 0.5 * (part.piece.a + part.piece.b), outside = middle - beside * spacing_ * inwards;
-      if (in_another(soil, outside)) continue;
-      part.face = owner(scene_.water_faces, middle, inwards);
-      part.rain = owner(scene_.rains, middle, inwards);
-      parts_.push_back(part);
-    }
-    ++lines_;
-  }
-  [[nodiscard]] bool in_another(std::size_t soil, const Point3& x) const {
-    for (std::size_t s = 0; s < scene_.soils.size(); ++s)
-      if (s != soil && contains(scene_.soils[s].shape, x, 2)) return true;
-    return false;
-  }
   /// The last item whose face lies at this place of the border and points inwards; Segment::none where there is none.
   template <class Items>
   [[nodiscard]] std::size_t owner(const Items& items, const Point3& x, const Point3& inwards) const {
@@ -121,9 +86,9 @@ class Border {
       const Face& face = items[i].face;
       const auto looks = [&](const Point3& normal) { return normal.dot(inwards) > parallel; };
       bool here = face.points.empty() && looks(face.normal.normalized()) &&
-                  std::abs(face.normal.normalized().dot(x - face.point)) < beside * spacing_;
+                  std::abs(face.normal.normalized().dot(x - face.point)) < beside_outline * spacing_;
       for (const auto& piece : pieces_of(face))
-        here = here || (looks(piece.left()) && distance_from(piece, x) < beside * spacing_);
+        here = here || (looks(piece.left()) && distance_from(piece, x) < beside_outline * spacing_);
       if (here) found = i;
     }
     return found;
@@ -131,7 +96,6 @@ class Border {
 
   const Case& scene_;
   double spacing_;
-  std::size_t lines_ = 0;
   std::vector<BorderPart> parts_;
 };
 

@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "common/coupling/standard_contract.hpp"
+#include "common/geometry/pieces.hpp"
 #include "common/media/predicted_modulus.hpp"
 #include "common/media/seepage.hpp"
 #include "pore_solver/numerics/steps.hpp"
@@ -216,6 +217,57 @@ OutputFrame PoreWater::frame() const {
 }
 
 std::vector<GaugeReading> PoreWater::gauges() const { return gauges_->read(stepper_->flow(state_), *stepper_, state_); }
+
+std::vector<PoreWater::Opening> PoreWater::openings() const {
+  std::vector<Opening> openings;
+  for (const Segment& s : network_.segments)
+    if (is_open(s)) openings.push_back({s.centre, -pieces_of(scene_.water_faces[s.face].face).front().left(), s.area});
+  return openings;
+}
+
+void PoreWater::set_standing(std::span<const Standing> standing) {
+  auto next = standing.begin();
+  for (std::size_t i = 0; i < network_.segments.size(); ++i) {
+    if (!is_open(network_.segments[i])) continue;
+    state_.segments[i].pond = next->volume;
+    state_.segments[i].head = next->head;
+    ++next;
+  }
+}
+
+ScalarArray PoreWater::left_standing() const {
+  ScalarArray left;
+  for (std::size_t i = 0; i < network_.segments.size(); ++i)
+    if (is_open(network_.segments[i])) left.push_back(state_.segments[i].pond);
+  return left;
+}
+
+Account PoreWater::through_faces() const {
+  Account all;
+  const auto& boundaries = stepper_->boundaries();
+  for (std::size_t b = 0; b < boundaries.size(); ++b) {
+    const std::size_t face = boundaries[b].face;
+    if (face != Segment::none && scene_.water_faces[face].free_water) continue;
+    all.in += state_.accounts[b].in;
+    all.out += state_.accounts[b].out;
+  }
+  return all;
+}
+
+double PoreWater::through_openings() const {
+  double gained = 0.0;
+  for (std::size_t b = 0; b < state_.accounts.size(); ++b) {
+    const std::size_t face = stepper_->boundaries()[b].face;
+    if (face != Segment::none && scene_.water_faces[face].free_water) gained += state_.accounts[b].gained();
+  }
+  return gained;
+}
+
+double PoreWater::stored() const {
+  double sum = 0.0;
+  for (const double w : state_.water) sum += w;
+  return sum;
+}
 
 std::map<std::string, double> PoreWater::counters() const {
   const Counts& c = state_.counts;

@@ -9,6 +9,7 @@
 #include "pore_solver/step.hpp"
 
 #include <memory>
+#include <span>
 
 namespace poretwin::pore {
 
@@ -34,6 +35,29 @@ class PoreWater final : public Phase {
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
 
+  /// A part of the soil's surface that is open to free water (WaterFace::free_water).
+  struct Opening {
+    Point3 centre = Point3::Zero(), outwards = Point3::Zero();  ///< m; unit
+    double area = 0.0;                                          ///< m2 (2D: m)
+  };
+  [[nodiscard]] std::vector<Opening> openings() const;
+  /// Free water on an opening.
+  struct Standing {
+    double head = 0.0;    ///< m, pressure head at its centre; zero or below: it is dry
+    double volume = 0.0;  ///< m3 (2D: m2), that the soil may take
+  };
+  /// Sets the free water on each opening for the steps that follow.
+  void set_standing(std::span<const Standing> standing);
+  /// The volume of each opening's free water that these steps have left; more than was there where water came out
+  /// [m3, 2D: m2].
+  [[nodiscard]] ScalarArray left_standing() const;
+  /// Sum over all boundaries but the openings.
+  [[nodiscard]] Account through_faces() const;
+  /// Volume that has passed through the openings into the soil since the start [m3, 2D: m2].
+  [[nodiscard]] double through_openings() const;
+  /// Volume of water in the soil [m3, 2D: m2].
+  [[nodiscard]] double stored() const;
+
   [[nodiscard]] const Network& network() const { return network_; }
   [[nodiscard]] const State& state() const { return state_; }
   /// The flow model at the present state.
@@ -48,6 +72,9 @@ class PoreWater final : public Phase {
   void link();
   /// Degree of saturation of a point, over all of its pores: includes the initial residual water of its soil.
   [[nodiscard]] double degree_of_saturation(std::size_t a) const;
+  [[nodiscard]] bool is_open(const Segment& segment) const {
+    return segment.face != Segment::none && scene_.water_faces[segment.face].free_water;
+  }
   /// Computes the discharge per area at each point [m/s] from the flows through the sides of its cell.
   void compute_flux() const;
 

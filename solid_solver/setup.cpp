@@ -274,13 +274,16 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
     const double density = solid * soil.grain_density + residual * scene.water.density;
     setup.grain_density.push_back(density / (solid + residual));
     setup.grain_share.push_back(solid / (solid + residual));
-    setup.constant_volume.push_back(kind.has_cone() && soil.dilation_angle <= 0.0 ? 1 : 0);
-    const bool grains = setup.constant_volume.back() && soil.cohesion <= 0.0 && scene.solid.regular_flow;
-    setup.loose_friction.push_back(grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0))
-                                          : 0.0F);
+    std::optional<double> grains;  // friction coefficient, where they shear at constant volume and have no cohesion
+    if (kind.has_cone() && soil.dilation_angle <= 0.0 && soil.cohesion <= 0.0)
+      grains = std::tan(soil.friction_angle * std::numbers::pi / 180.0);
+    else if (kind.grains)
+      grains = kind.grains(soil);
+    setup.constant_volume.push_back((kind.has_cone() && soil.dilation_angle <= 0.0) || grains ? 1 : 0);
+    setup.loose_friction.push_back(grains && scene.solid.regular_flow ? static_cast<float>(*grains) : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = lay<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
-                                 scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
+                                scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
     setup.density.push_back(density);
     const std::size_t all = particles.size() + lattice.position.size();
     particles.position.reserve(all);

@@ -45,6 +45,7 @@ struct WaterSetup {
   std::vector<WaterFace> faces;          ///< water faces of a field: the pressure behind them acts on the soil
   int dimension = 2;                     ///< dimension of the case's regions
   Point3 gravity = Point3::Zero();       ///< m/s2
+  [[nodiscard]] double dynamic_viscosity() const { return density * kinematic_viscosity; }  ///< Pa s
   [[nodiscard]] bool is_prescribed() const { return !prescribed.empty(); }
 };
 
@@ -133,10 +134,10 @@ double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::
   return 1.0 - setup.grain_share[particles.material[i]] * solid_fraction(setup, particles, i);
 }
 
-/// Degree of saturation and void ratio of a particle, on which the constitutive models depend.
+/// Conditions of a particle whose stress is brought back to what its soil can carry, without a strain.
 template <int D>
-Condition condition(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
-  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0};
+Condition at_once(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
+  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0, 0.0, setup.water.dynamic_viscosity()};
 }
 
 /// Elastic moduli of a particle in its present state.

@@ -46,13 +46,13 @@ double measure(const Shape& shape, int dimension) {
 Amounts estimate(const Case& scene) {
   Amounts a;
   const int dimension = scene.general.dimension;
-  if (scene.is_field())
+  if (scene.is_field() || scene.is_both())
     for (const auto& soil : scene.soils) a.fluid += particles_in(soil.shape, scene.fluid.particle_spacing, dimension);
-  else
+  if (!scene.is_field())
     for (const auto& region : scene.fluid.regions)
       a.fluid += particles_in(region, scene.fluid.particle_spacing, dimension);
   a.fluid_full = a.fluid;
-  if (!scene.is_field() && !scene.water_faces.empty())
+  if (!scene.is_field() && !scene.is_both() && !scene.water_faces.empty())
     for (const auto& soil : scene.soils)
       a.fluid_full += particles_in(soil.shape, scene.fluid.particle_spacing, dimension);
   if (scene.deformable())
@@ -90,6 +90,23 @@ double spacing_to_look_at(const Shape& shape, double spacing, int dimension) {
   double count = 1.0;
   for (int d = 0; d < dimension; ++d) count *= rows(upper[d] - lower[d], spacing);
   return count > most ? spacing * std::pow(count / most, 1.0 / dimension) : spacing;
+}
+
+std::vector<Point3> places_in(const Shape& shape, double spacing, int dimension) {
+  std::vector<Point3> result;
+  const double apart = spacing_to_look_at(shape, spacing, dimension);
+  const auto take = [&](const auto& lattice) {
+    for (const auto& x : lattice.position) {
+      Point3 point = Point3::Zero();
+      point.head(x.size()) = x;
+      result.push_back(point);
+    }
+  };
+  if (dimension == 3)
+    take(fill<3>(shape, apart, {0.5, 0.5, 0.5}, 0.0, 1));
+  else
+    take(fill<2>(shape, apart, {0.5, 0.5, 0.5}, 0.0, 1));
+  return result;
 }
 
 }  // namespace poretwin

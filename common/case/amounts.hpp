@@ -27,4 +27,7 @@ double finest_spacing(const Case& scene);
 /// shape would contain more than 1e5 points.
 double spacing_to_look_at(const Shape& shape, double spacing, int dimension);
 
+/// Places spread over a shape, that lattice spacing apart.
+std::vector<Point3> places_in(const Shape& shape, double spacing, int dimension);
+
 }  // namespace poretwin

@@ -51,6 +51,7 @@ constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>
 constexpr std::array representation_words{
     Word<FluidCase::Representation>{"particles", FluidCase::Representation::particles},
     Word<FluidCase::Representation>{"field", FluidCase::Representation::field},
+    Word<FluidCase::Representation>{"both", FluidCase::Representation::both},
     Word<FluidCase::Representation>{"auto", FluidCase::Representation::automatic}};
 constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
@@ -255,10 +256,12 @@ std::vector<Word<MaterialName>> model_words(bool rigid) {
   return words;
 }
 
-/// Declares the keys that belong to single materials. Where several materials have a key, the first one's declaration
-/// counts.
+/// Declares the keys that belong to single materials. Where several materials have a key, or a law of seepage has it,
+/// the first declaration counts.
 void declare_own_keys(Keys& keys, Soil& s) {
   std::set<std::string_view> declared;
+  for (const auto& law : porous::seepage_laws())
+    for (const auto& p : law.parameters) declared.insert(p.key);
   for (const Material& material : materials())
     for (const MaterialKey& key : material.keys) {
       if (!declared.insert(key.name).second) continue;
@@ -340,7 +343,8 @@ void declare(Keys& keys, Soil& s) {
                "m of E = `youngs_modulus` (p' / `reference_pressure`)^m, p' the mean effective pressure; 0: constant "
                "(materials with `youngs_modulus`)."},
               between(0, false, 1, false));
-  keys.number("reference_pressure", s.reference_pressure, {"Pa", "Mean effective pressure at which the modulus is `youngs_modulus`."}, positive());
+  keys.number("reference_pressure", s.reference_pressure,
+              {"Pa", "Mean effective pressure at which the modulus is `youngs_modulus`."}, positive());
   keys.number("least_pressure", s.least_pressure,
               {"Pa", "Least pressure p' in the stiffness: below it the stiffness is constant."}, positive());
   keys.number(
@@ -351,9 +355,11 @@ void declare(Keys& keys, Soil& s) {
       positive());
   keys.number("cohesion", s.cohesion,
               {"Pa", "Cohesion, at `initial_saturation` (materials with cohesion and friction)."}, not_negative());
-  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (materials with cohesion and friction)."},
+  keys.number("friction_angle", s.friction_angle,
+              {"degrees", "Angle of internal friction (materials with cohesion and friction)."},
               between(0, false, 90, true));
-  keys.number("dilation_angle", s.dilation_angle, {"degrees", "Dilation angle, at most the friction angle (materials with cohesion and friction)."},
+  keys.number("dilation_angle", s.dilation_angle,
+              {"degrees", "Dilation angle, at most the friction angle (materials with cohesion and friction)."},
               between(0, false, 90, true));
   keys.choice<Soil::Cone>(
       "cone", s.cone, cone_words,
@@ -387,8 +393,10 @@ void declare(Keys& keys, Soil& s) {
                "particle spacings wide: divided by that width this is the plastic shear strain, so that what a band "
                "dissipates does not depend on the spacing."},
               positive());
-  keys.number("maximum_void_ratio", s.maximum_void_ratio,
-              {"", "Void ratio e = n / (1 - n) at which dilation ends (materials with a dilation angle); absent: never."}, positive());
+  keys.number(
+      "maximum_void_ratio", s.maximum_void_ratio,
+      {"", "Void ratio e = n / (1 - n) at which dilation ends (materials with a dilation angle); absent: never."},
+      positive());
   keys.number("initial_saturation", s.initial_saturation,
               {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
   keys.number("suction_head", s.suction_head,
@@ -567,24 +575,28 @@ void declare(Keys& keys, Load& l) {
 void declare(Keys& keys, Plate& p) {
   keys.text("name", p.name, {"", "Name, for messages and gauges."});
   declare(keys, p.face);
+  keys.optional_table("within",
+                      "3D, with `point` and `normal` along an axis: the plate is the part of the plane in this box; "
+                      "absent: all of it.",
+                      p.face.within, [](Keys& inner, Shape& shape) { declare(inner, shape); });
   keys.choice<Plate::Surface>("surface", p.surface, plate_words,
                               {"", "`smooth`: no shear between plate and soil, `rough`: no slip."});
   keys.series("displacement", p.displacement,
               {"m",
-               "How far the plate has moved into the soil, across its line, as a table in time that begins with 0 "
+               "How far the plate has moved into the soil, along its normal, as a table in time that begins with 0 "
                "at time zero."});
   keys.series("speed", p.speed, {"m/s", "Instead of `displacement`: its speed into the soil."});
   keys.series("force", p.force,
-              {"N/m",
-               "Instead of both: force with which the plate presses on the soil, across its line. Without "
+              {"N",
+               "Instead of both: force with which the plate presses on the soil, along its normal (2D: N/m). Without "
                "`start` the soil comes to rest under its first value before time zero."});
   keys.series("along", p.along,
               {"m",
-               "How far a rough plate has moved along its line, from its first towards its last point, as a table "
-               "in time that begins with 0 at time zero."});
+               "2D: how far a rough plate has moved along its line, from its first towards its last point, as a "
+               "table in time that begins with 0 at time zero."});
   keys.number("start", p.start, {"s", "Time from which on `force` acts; absent: it always acts."});
   keys.number("mass", p.mass,
-              {"kg/m", "Mass of a plate under a force; absent: the mass of one row of the soil before it."},
+              {"kg", "Mass of a plate under a force (2D: kg/m); absent: the mass of one row of the soil before it."},
               positive());
 }
 
@@ -618,9 +630,13 @@ void declare(Keys& keys, FluidCase& f) {
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
        "saturated "
        "or not, `particle_spacing` apart; of soil that moves (2D) its particles (docs/theory/pore_water_field.md); "
-       "`auto`: "
-       "`field` where the case has a key for a field only, or has neither free water, inertia nor soil that can yield, "
-       "and nothing else that a field lacks; otherwise `particles`. `poretwin check` prints which, and why."});
+       "`both`: particles where the water is free, and a field in rigid soil (2D), with water passing through all "
+       "parts "
+       "of the soil's surface along which no wall, face or rain is drawn (docs/theory/free_water_and_ground.md); "
+       "`auto`: `both` where the case has a key for a field only and free water; `field` where it has such a key, or "
+       "has "
+       "neither free water, inertia nor soil that can yield, and nothing else that a field lacks; otherwise "
+       "`particles`. `poretwin check` prints which, and why."});
   keys.series("initial_pressure_head", f.initial_pressure_head,
               {"m", "Field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
   keys.number(
@@ -840,10 +856,12 @@ void declare_shared(Keys& keys, Case& c) {
               c.water_faces, [](Keys& inner, WaterFace& face) { declare(inner, face); });
   keys.tables("load", "A traction on the soil's surface.", c.loads,
               [](Keys& inner, Load& load) { declare(inner, load); });
-  keys.tables("plate",
-              "A rigid plate or footing on the soil's surface (2D). It moves in a prescribed way or under a force, and "
-              "does not tilt. To water as a field it is tight where no [[water_face]] lies on it.",
-              c.plates, [](Keys& inner, Plate& plate) { declare(inner, plate); });
+  keys.tables(
+      "plate",
+      "A rigid plate or footing on the soil's surface, a straight line (2D) or a rectangle along the axes (3D). "
+      "It moves in a prescribed way or under a force, and does not tilt. To water as a field (2D) it is tight "
+      "where no [[water_face]] lies on it.",
+      c.plates, [](Keys& inner, Plate& plate) { declare(inner, plate); });
   keys.table("coupling", "How the phases exchange.", [&](Keys& inner) { declare(inner, c.coupling); });
 }
 

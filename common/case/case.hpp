@@ -57,7 +57,7 @@ struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
   /// With water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that
-  /// part. For a load in 3D: the part of the plane in this box.
+  /// part. For a load or plate in 3D: the part of the plane in this box.
   std::optional<Shape> within;
 };
 
@@ -192,6 +192,8 @@ struct WaterFace {
   std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal area of the basin against elevation [m], from its
                                      ///< bottom up
   bool outlet = false;               ///< only air is behind the face
+  bool free_water = false;           ///< particles of free water come and go before it: set by ground_part(), not by a
+                                     ///< key
   std::optional<Series> wave_amplitude;         ///< Pa: amplitude A of a standing wave added to `pressure`
   double wave_length = 0.0, wave_period = 0.0;  ///< m, s: L and T
   /// Pressure of the standing wave at a place and time [Pa]: A cos(2 pi x / L) cos(2 pi t / T).
@@ -232,12 +234,12 @@ struct Load {
 struct Plate {
   enum class Surface { smooth, rough };  ///< no friction, or no slip
   std::string name;
-  Face face;  ///< one straight line (2D)
+  Face face;  ///< one straight line (2D), or a rectangle along the axes (3D)
   Surface surface = Surface::smooth;
   std::optional<Series> displacement;  ///< m, along the normal, against time; 0 at time zero
   std::optional<Series> speed;         ///< m/s, along the normal, in place of the displacement
   std::optional<Series> force;         ///< N (2D: N/m), along the normal, in place of displacement and speed
-  std::optional<Series> along;         ///< m, displacement of a rough plate along its line; 0 at time zero
+  std::optional<Series> along;         ///< m, displacement of a rough plate along its line (2D); 0 at time zero
   /// s, time from which on the force acts; absent: it always acts, and the soil comes to rest under its first value.
   std::optional<double> start;
   std::optional<double> mass;  ///< kg (2D: kg/m), of a plate under a force; absent: mass of a row of the soil before it
@@ -262,9 +264,10 @@ struct FluidCase {
   /// How the pressure is computed: solved to a tolerance (projection), or by explicit sweeps, Eqs. (82)-(85) (eisph).
   /// In eisph_explicit_drag the drag is also that of the window's start.
   enum class Scheme { projection, eisph, eisph_explicit_drag };
-  /// What represents the water: particles that move, or a field on the points of the soil. `automatic` exists only in
-  /// the file: when the case is read, it becomes one of the others.
-  enum class Representation { particles, field, automatic };
+  /// What represents the water: particles that move, a field on the points of the soil, or both, particles where the
+  /// water is free and a field in the soil. `automatic` exists only in the file: when the case is read, it becomes one
+  /// of the others.
+  enum class Representation { particles, field, both, automatic };
   double particle_spacing = 0.0;  ///< m
   Representation representation = Representation::particles;
   Scheme scheme = Scheme::projection;
@@ -391,8 +394,12 @@ struct Case {
   [[nodiscard]] bool can_yield() const;
   /// The water is a field on the points of the soil.
   [[nodiscard]] bool is_field() const { return fluid.representation == FluidCase::Representation::field; }
+  /// The water is particles where it is free, and a field in the soil.
+  [[nodiscard]] bool is_both() const { return fluid.representation == FluidCase::Representation::both; }
   /// There is a water phase.
-  [[nodiscard]] bool has_water() const { return is_field() || !fluid.regions.empty() || !water_faces.empty(); }
+  [[nodiscard]] bool has_water() const {
+    return is_field() || is_both() || !fluid.regions.empty() || !water_faces.empty();
+  }
   /// Both phases run. Otherwise only the water runs, in rigid soil, or only the soil.
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// The fluid's pressure solve predicts the skeleton's motion.

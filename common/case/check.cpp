@@ -1,11 +1,13 @@
 #include "common/case/check.hpp"
 
 #include "common/case/amounts.hpp"
+#include "common/case/both.hpp"
 #include "common/case/complaints.hpp"
 #include "common/case/field.hpp"
 #include "common/case/gauge_kinds.hpp"
 #include "common/case/gauge_quantities.hpp"
 #include "common/case/materials.hpp"
+#include "common/case/parts.hpp"
 #include "common/case/plates.hpp"
 #include "common/case/unsupported.hpp"
 #include "common/geometry/crossing.hpp"
@@ -36,6 +38,7 @@ class Checker : Complaints {
   using Complaints::Complaints;
 
   void all() const {
+    if (scene_.is_both()) return parts();
     general();
     check_field(scene_, places_);
     amounts();
@@ -58,6 +61,21 @@ class Checker : Complaints {
   }
 
  private:
+  /// Checks what belongs to the case as a whole, and then each of its two parts as a case of its own. Gauges are
+  /// checked here, where they have their places in the file.
+  void parts() const {
+    general();
+    check_both(scene_, places_);
+    amounts();
+    gauges();
+    const auto check_part = [](Case part, const Places& places) {
+      part.gauges.clear();
+      if (part.has_water()) Checker(part, places).all();
+    };
+    check_part(ground_part(scene_), places_of_ground(places_));
+    check_part(free_part(scene_), places_of_free_water(places_));
+  }
+
   void general() const {
     const auto& g = scene_.general;
     for (const int axis : g.periodic)
@@ -279,7 +297,8 @@ class Checker : Complaints {
         if (chosen && p.needed && !(porous::parameter(soil, p) > 0.0))
           fail(key + "." + p.key, fmt::format("the law \"{}\" needs it, a positive number{}, found none", law.name,
                                               p.unit.empty() ? "" : " of " + p.unit));
-        if (!chosen && given(key + "." + p.key))
+        const bool of_material = scene_.deformable() && material(scene_.model_of(soil)).has_key(p.key);
+        if (!chosen && !of_material && given(key + "." + p.key))
           fail(key + "." + p.key, fmt::format("belongs to seepage_law = \"{}\"", law.name));
       }
       if (chosen && !law.takes_conductivity && given(key + ".hydraulic_conductivity"))
@@ -384,7 +403,8 @@ class Checker : Complaints {
   void face(const Face& f, const std::string& key) const {
     const bool plane = given(key + ".point") || given(key + ".normal");
     if (f.within && !plane && f.points.empty()) return;
-    if (given(key + ".points") == plane)
+    const bool line = given(key + ".points") || !f.points.empty();  // lines that parts() adds stand in no file
+    if (line == plane)
       fail(key,
            "expected either 'points' (2D, walked with the domain on the left) or 'point' and 'normal' (into the "
            "domain)");
@@ -410,7 +430,8 @@ class Checker : Complaints {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      const int kinds =
+          (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet + f.free_water;
       if (kinds != 1)
         fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
                               kinds == 0 ? "none" : "more"));

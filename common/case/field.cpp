@@ -2,6 +2,7 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
+#include "common/case/parts.hpp"
 #include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
@@ -128,31 +129,13 @@ class FieldChecks : Complaints {
              "[[soil.without]] with its shape)");
       const Point3 normal = wall.face.normal.normalized();
       for (std::size_t s = 0; s < scene_.soils.size(); ++s)
-        for (const auto& x : places_in(scene_.soils[s].shape))
+        for (const auto& x : places_in(scene_.soils[s].shape, scene_.fluid.particle_spacing, dimension_))
           if (normal.dot(x - wall.face.point) < -1e-6 * dx)
             fail(key, fmt::format("{} lies behind it, for example at {} m: a wall by 'point' and 'normal' is a plane "
                                   "without end, at which a field does not stop; expected all soil on the side to "
                                   "which the normal points",
                                   named("soil", s, scene_.soils[s].name), shown(x)));
     }
-  }
-
-  /// Points spread over a shape, a spacing apart or more.
-  [[nodiscard]] std::vector<Point3> places_in(const Shape& shape) const {
-    std::vector<Point3> result;
-    const double apart = spacing_to_look_at(shape, scene_.fluid.particle_spacing, dimension_);
-    const auto take = [&](const auto& lattice) {
-      for (const auto& x : lattice.position) {
-        Point3 point = Point3::Zero();
-        point.head(x.size()) = x;
-        result.push_back(point);
-      }
-    };
-    if (dimension_ == 3)
-      take(fill<3>(shape, apart, {0.5, 0.5, 0.5}, 0.0, 1));
-    else
-      take(fill<2>(shape, apart, {0.5, 0.5, 0.5}, 0.0, 1));
-    return result;
   }
 
   [[nodiscard]] bool asks_for_heads() const {
@@ -165,7 +148,7 @@ class FieldChecks : Complaints {
   /// Refuses dry soil in a case without gravity, in which the water within a partly full cell would have no position.
   void full_soil() const {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
-      for (const auto& x : places_in(scene_.soils[i].shape))
+      for (const auto& x : places_in(scene_.soils[i].shape, scene_.fluid.particle_spacing, dimension_))
         if (std::none_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
                          [&](const Shape& region) { return contains(region, x, dimension_); }))
           fail(fmt::format("soil[{}]", i),
@@ -207,7 +190,8 @@ class FieldChecks : Complaints {
                          "constrained one that water and soil do not come to agree",
                          least, scene_.soils[i].poissons_ratio));
     if (scene_.can_yield() && !scene_.rains.empty())
-      fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
+      fail("rain[0]",
+           "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)
       fail("solid.initial_wave", "a field has no inertia; expected fluid.representation = \"particles\"");
   }
@@ -338,11 +322,11 @@ class FieldChecks : Complaints {
       fail("fluid.initial_water_table",
            "soil with a retention curve is never without water: expected it or 'initial_pressure_head', found none");
     for (std::size_t i = 0; i < f.regions.size(); ++i)
-      for (const auto& x : places_in(f.regions[i]))
+      for (const auto& x : places_in(f.regions[i], f.particle_spacing, dimension_))
         if (!in_soil(x))
           fail(fmt::format("fluid.region[{}]", i),
                fmt::format("is free water, for example at {} m; expected water in soil only, or fluid.representation = "
-                           "\"particles\"",
+                           "\"both\" or \"particles\"",
                            shown(x)));
   }
 
@@ -656,6 +640,9 @@ void choose_representation(Case& scene, const Places& places) {
   if (scene.soils.empty()) {
     scene.representation_chosen = "particles: there is no soil";
     chosen = Representation::particles;
+  } else if (checks.asks_for_field() && has_free_water(scene)) {
+    scene.representation_chosen = "both: the case has keys that only a field has, and free water";
+    chosen = Representation::both;
   } else if (checks.asks_for_field()) {
     scene.representation_chosen = "field: the case has keys that only a field has";
   } else if (const std::string inertia = checks.asks_for_inertia(); !inertia.empty()) {

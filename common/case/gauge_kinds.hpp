@@ -42,7 +42,8 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "of a field in 3D through a flat section with `points` as its corners in order, positive along its normal by the "
      "right-hand rule; of a field also the inflow through the face, or the discharge pumped out by the well, named by "
      "`quantity`"},
-    {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points` (3D: of a field only)"},
+    {"exit_height", "fluid",
+     "elevation at which the water's surface meets a face, a line between two `points` (3D: of a field only)"},
     {"exit_gradient", "fluid",
      "largest outward hydraulic gradient over such a face; `_at`: its distance from the first of the `points`; "
      "`_over_critical`, where the face looks upwards: largest ratio to the gradient that lifts the grains off it, "
@@ -67,9 +68,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "by which cohesion and tan(friction) of all soils can be divided before the soil finds no equilibrium under its "
      "weight, the loads and the water's forces of that instant; `_error`: half the width of the bracket"},
     {"plate", "solid",
-     "of the plate named by `quantity`: the force with which it presses on the soil across its line [N/m]; `_along`: "
-     "its "
-     "force along the line, towards its last point [N/m]; `_displacement`: how far it has moved into the soil [m]"},
+     "of the plate named by `quantity`: the force with which it presses on the soil along its normal [N; 2D: N/m]; "
+     "`_along` (2D): its force along the line, towards its last point [N/m]; `_displacement`: how far it has moved "
+     "into the soil [m]"},
     {"max_displacement", "solid", "largest displacement of any particle"},
     {"max_plastic_strain", "solid", "largest plastic strain of any particle"},
     {"slip_surface", "solid",

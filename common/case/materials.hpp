@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -36,6 +37,13 @@ struct Material {
   void (*judge)(const Soil& soil, const Complain& complain) = nullptr;
   /// The model has no stress-free state: it needs `earth_pressure_at_rest` and an initial search for equilibrium.
   bool begins_under_stress = false;
+  /// For a limit of the model's own: the friction coefficient of the soil's grains where they have no cohesion and shear
+  /// at constant volume; nothing where they do not.
+  std::optional<double> (*grains)(const Soil& soil) = nullptr;
+  /// Whether the model has a key of its own of this name.
+  [[nodiscard]] bool has_key(std::string_view key) const {
+    return std::ranges::find(keys, key, &MaterialKey::name) != keys.end();
+  }
   [[nodiscard]] bool can_yield() const { return strength != Strength::none; }
   [[nodiscard]] bool has_cone() const { return strength == Strength::cohesion_and_friction; }
   /// Whether the material has a strength that solid.strength_reduction can divide.

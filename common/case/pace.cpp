@@ -40,7 +40,7 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
       way_at(scene.solid.initial_velocity.norm() + std::abs(scene.solid.initial_wave),
              "the way of the soil through one spacing at its initial speed");
     }
-  if (scene.is_field()) {
+  if (scene.is_field() || scene.is_both()) {
     const double weight = scene.water.density * standard_gravity;
     double head = 0.0;  // m, largest
     for (const auto& face : scene.water_faces)
@@ -48,7 +48,8 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
     for (const auto& soil : scene.soils)
       way_at(soil.hydraulic_conductivity / soil.porosity * (1.0 + head / dx),
              "a front's way through one spacing under the largest head");
-  } else if (scene.has_water()) {
+  }
+  if (scene.has_water() && !scene.is_field()) {
     way_at(scene.water.kinematic_viscosity / dx, "diffusion by viscosity over one spacing");
     way_at(scene.fluid.initial_velocity.norm() + std::abs(scene.fluid.initial_wave) +
                std::abs(scene.fluid.initial_vortices),

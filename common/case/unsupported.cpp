@@ -58,24 +58,6 @@ class Supported : Complaints {
     return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
                        [&](const Shape& region) { return contains(region, x, d_); });
   }
-  /// Points spread over a shape, `spacing` apart or more.
-  [[nodiscard]] std::vector<Point3> places_in(const Shape& shape, double spacing) const {
-    std::vector<Point3> result;
-    const auto take = [&](const auto& lattice) {
-      for (const auto& x : lattice.position) {
-        Point3 point = Point3::Zero();
-        point.head(x.size()) = x;
-        result.push_back(point);
-      }
-    };
-    const double seen = spacing_to_look_at(shape, spacing, d_);
-    if (d_ == 3)
-      take(fill<3>(shape, seen, {0.5, 0.5, 0.5}, 0.0, 1));
-    else
-      take(fill<2>(shape, seen, {0.5, 0.5, 0.5}, 0.0, 1));
-    return result;
-  }
-
   /// Refuses scenes too far from the origin. Particles are sorted into cells whose numbers have 21 bits per axis, and
   /// distances lose digits: with a spacing of 0.1 m, results are wrong farther than 2^19 m from the origin. read_case()
   /// has already moved the scene towards the origin along axes without gravity.
@@ -239,7 +221,7 @@ class Supported : Complaints {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       if (scene_.soils[i].porosity >= least) continue;
       for (const auto& region : scene_.fluid.regions)
-        for (const auto& x : places_in(region, scene_.fluid.particle_spacing))
+        for (const auto& x : places_in(region, scene_.fluid.particle_spacing, d_))
           if (soil_at(x) == nullptr)
             fail(fmt::format("soil[{}].porosity", i),
                  fmt::format(
@@ -322,7 +304,7 @@ class Supported : Complaints {
       if (std::abs(normal.dot(up_)) > 0.99) continue;  // the face is horizontal; water stands over it
       double top = -HUGE_VAL;
       for (const auto& soil : scene_.soils)
-        for (const auto& x : places_in(soil.shape, dx))
+        for (const auto& x : places_in(soil.shape, dx, d_))
           if (const double before = normal.dot(x - f.face.point); before > 0.0 && before < 1.5 * dx)
             top = std::max(top, up_.dot(x) + 0.5 * dx);
       double highest = -HUGE_VAL;
@@ -349,8 +331,10 @@ class Supported : Complaints {
     if (d_ != 3) fail(key, "belongs to dimension = 3; expected 'points', a line");
     constexpr double along_axis = 1.0 - 1e-9;
     const Point3 normal = f.normal.isZero() ? f.normal : f.normal.normalized();
-    if (f.within->kind != Shape::Kind::box || f.within->solid || normal.cwiseAbs().maxCoeff() < along_axis)
-      fail(key, "expected a box along the axes, on a plane with 'point' and a 'normal' along an axis");
+    if (!plain_box(*f.within) || normal.cwiseAbs().maxCoeff() < along_axis)
+      fail(key,
+           "expected a box along the axes, without turn, scale, move and cuts, on a plane with 'point' and a 'normal' "
+           "along an axis");
     const LoadedPart part = loaded_part(scene_, f);
     const double level = f.point[part.across];
     if (!(part.area() > 0.0) || level < f.within->min[part.across] || level > f.within->max[part.across])
@@ -395,7 +379,7 @@ class Supported : Complaints {
         return spacing_to_look_at(soil.shape, dx, d_) > reach;
       });
       for (const auto& soil : scene_.soils)
-        for (const auto& x : places_in(soil.shape, dx))
+        for (const auto& x : places_in(soil.shape, dx, d_))
           for (const auto& plane : planes) {
             const double inside = plane.normal.dot(x - plane.point), along = plane.along.dot(x);
             if (std::abs(inside) > reach || along < plane.from || along > plane.to) continue;
@@ -437,7 +421,7 @@ class Supported : Complaints {
     };
     std::map<std::array<long, 3>, Column> columns;
     for (const auto& soil : scene_.soils)
-      for (const auto& x : places_in(soil.shape, dx)) {
+      for (const auto& x : places_in(soil.shape, dx, d_)) {
         const Point3 across = x - up_.dot(x) * up_;
         std::array<long, 3> place{};
         for (std::size_t d = 0; d < 3; ++d)

@@ -48,11 +48,26 @@ void expect_own(const Case& scene, Role role) {
          fmt::format("start poretwin-{}", scene.deformable() ? "solid" : "fluid"));
 }
 
-/// Throws CaseError where another program computes the water of this case (one is for particles, one for a field).
+/// The program that computes water so represented: poretwin-...
+const char* program_of(FluidCase::Representation representation) {
+  switch (representation) {
+    case FluidCase::Representation::field:
+      return "pore";
+    case FluidCase::Representation::both:
+      return "joint";
+    default:
+      return "fluid";
+  }
+}
+
+/// Throws CaseError where the water of this case belongs to another program (particles, a field or both).
 void expect_representation(const Case& scene, Role role, FluidCase::Representation representation) {
   if (role != Role::fluid || scene.fluid.representation == representation) return;
   throw CaseError(fmt::format("{}: fluid.representation = \"{}\" is for poretwin-{}", scene.path.string(),
-                              scene.is_field() ? "field" : "particles", scene.is_field() ? "pore" : "fluid"));
+                              scene.is_field()  ? "field"
+                              : scene.is_both() ? "both"
+                                                : "particles",
+                              program_of(scene.fluid.representation)));
 }
 
 void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
@@ -130,9 +145,8 @@ RunSummary summarise(const Run& run) {
 int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make,
                FluidCase::Representation representation) {
   Run run;
-  const bool field = role == Role::fluid && representation == FluidCase::Representation::field;
   const std::string name(to_string(role));
-  return process_main(argc, argv, "poretwin-" + (field ? "pore" : name), name,
+  return process_main(argc, argv, "poretwin-" + (role == Role::fluid ? program_of(representation) : name), name,
                       role == Role::solid ? Program::solid : Program::phase,
                       {[&](const Arguments& arguments) {
                          execute(arguments, role, make, representation, run);

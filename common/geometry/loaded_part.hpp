@@ -1,4 +1,4 @@
-// The part of a plane on which a load acts (3D).
+// The part of a plane on which a load acts or that a plate fills (3D).
 #pragma once
 
 #include "common/case/case.hpp"
@@ -22,7 +22,13 @@ struct LoadedPart {
   }
 };
 
-/// The part of a load's plane that lies in its box and within the bounds of all soil. The plane is normal to an axis.
+/// Whether a shape is a box along the axes as drawn: not turned, scaled, moved, or cut by others.
+inline bool plain_box(const Shape& shape) {
+  return shape.kind == Shape::Kind::box && !shape.placement && shape.within.empty() && shape.without.empty();
+}
+
+/// The part of a load's or plate's plane that lies in its box and within the bounds of all soil. The plane is normal to
+/// an axis.
 inline LoadedPart loaded_part(const Case& scene, const Face& face) {
   LoadedPart part;
   face.normal.cwiseAbs().maxCoeff(&part.across);

@@ -46,7 +46,8 @@ class Surfaces {
                                       std::vector<WallPoints>* mirrors = nullptr) const;
   template <int D>
   static bool sees(const Vec<D>& from, const Vec<D>& original, const Vec<D>& image) {
-    return (original - image).dot(2.0 * from - original - image) > 0.0;
+    const Vec<D> across = original - image;
+    return across.dot(2.0 * from - original - image) > -1e-9 * across.squaredNorm();  // a gauge may lie on the wall
   }
 
   /// Whether a wall is nearer to x than the range [m].

@@ -37,7 +37,7 @@ inline SeepageLaw ergun() {
             const double kappa = n * n * n * D * D / (A * (1.0 - n) * (1.0 - n));
             return Seepage{m.gravity * kappa / m.viscosity, B * inertial_shape(n) / (m.gravity * D)};
           },
-          {{"grain_diameter", "m", "Mean diameter of the grains, D50 (`ergun`).", 0.0, true},
+          {{"grain_diameter", "m", "Mean diameter of the grains, D50 (`ergun`, mu_i).", 0.0, true},
            {"ergun_linear", "", "Ergun's 150, of the linear term (`ergun`).", 150.0, true},
            {"ergun_quadratic", "", "Ergun's 1.75, of the quadratic term (`ergun`).", 1.75}},
           false};

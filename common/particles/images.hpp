@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 
 namespace poretwin::sph {
@@ -18,9 +19,12 @@ struct ImagePlane {
   Vec<D> point = Vec<D>::Zero();   ///< any point of the plane [m]
   Vec<D> normal = Vec<D>::Zero();  ///< unit vector, into the domain
   Vec<D> shift = Vec<D>::Zero();   ///< periodic only: translation of the image [m]
-  /// Only particles whose coordinate along `tangent` lies in [from, to] have images; by default (and in 3D) all do.
+  /// Only particles whose coordinate along `tangent` lies in [from, to] have images; by default all do.
   Vec<D> tangent = Vec<D>::Zero();
   double from = 0.0, to = 0.0;
+  /// A rectangle (3D) ends likewise along the direction that is perpendicular to normal and tangent.
+  Vec<D> second_tangent = Vec<D>::Zero();
+  double second_from = 0.0, second_to = 0.0;
   /// For a corner at which two pieces share the images (meet_at_corners): `at` [m] is a point of the plane that divides
   /// the images, `out` its normal. This piece makes no image at x with out . (x - at) > 0. At any other end out = 0.
   struct End {
@@ -35,12 +39,16 @@ struct ImagePlane {
   double seen_from = 0.0, seen_to = 0.0;
   bool back = false, taken = false;  ///< back: far side of a line; taken: its start belongs to the piece before it
   [[nodiscard]] Vec<D> at(double along) const { return point + (along - tangent.dot(point)) * tangent; }
-  /// Whether the piece lies opposite x, within its extent.
-  [[nodiscard]] bool faces(const Vec<D>& x) const {
-    if (to <= from) return true;
-    const double along = tangent.dot(x);
-    return along >= from && along <= to;
+  /// How far x lies beyond the nearest end [m]; below zero between the ends.
+  [[nodiscard]] double beyond(const Vec<D>& x) const {
+    if (to <= from) return -std::numeric_limits<double>::infinity();
+    const double along = tangent.dot(x), first = std::max(from - along, along - to);
+    if (second_to <= second_from) return first;
+    const double second = second_tangent.dot(x);
+    return std::max({first, second_from - second, second - second_to});
   }
+  /// Whether the piece lies opposite x, within its extent.
+  [[nodiscard]] bool faces(const Vec<D>& x) const { return beyond(x) <= 0.0; }
 };
 
 /// Images in the order in which they are made. parent: index of the real particle. The velocity of an image is map v +

@@ -36,6 +36,14 @@ class Sight {
   [[nodiscard]] bool sees(const Vec<D>& x, Index j, std::size_t n_base, std::span<const Vec<D>> position,
                           std::span<const Index> by, std::span<const Index> of, const Near& near) const;
 
+  /// Whether point a and point or image j see each other. The result is the same to the last bit with two points
+  /// exchanged, so that a pair is in the rows of both or of neither. near: the screens near point a.
+  [[nodiscard]] bool pairs(Index a, Index j, std::size_t n_base, std::span<const Vec<D>> position,
+                           std::span<const Index> by, std::span<const Index> of, const Near& near) const {
+    return j >= n_base ? sees(position[a], j, n_base, position, by, of, near)
+                       : open(position[std::min(a, j)], position[std::max(a, j)], near);
+  }
+
   /// Reflects a point that has moved from `before` through mirrors. Removes its velocity [m/s] towards each mirror,
   /// relative to the mirror.
   void keep_inside(const Vec<D>& before, Vec<D>& x, Vec<D>& v) const;

@@ -110,17 +110,11 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
   parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
     typename sph::Sight<D>::Near near;
     for (std::size_t a = first; a < last; ++a) {
-      const Vec<D>& x = s.position[a];
-      sight.find_near(x, reach, near);
+      sight.find_near(s.position[a], reach, near);
       if (near.empty() && s.beyond[a] == 0) continue;
-      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-        const Index j = s.other[k];
-        // The order is the same for both particles of a pair, so that the pair is in both rows or in neither.
-        const bool seen = j >= s.n_base ? sight.sees(x, j, s.n_base, s.position, s.by, s.of, near)
-                                        : sight.open(s.position[std::min<std::size_t>(a, j)],
-                                                     s.position[std::max<std::size_t>(a, j)], near);
-        if (!seen) s.other[k] = static_cast<Index>(a);
-      }
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+        if (!sight.pairs(static_cast<Index>(a), s.other[k], s.n_base, s.position, s.by, s.of, near))
+          s.other[k] = static_cast<Index>(a);
     }
   });
 }

@@ -13,6 +13,7 @@ namespace poretwin::pore {
 /// The data of a boundary for one segment. They are part of the saved state.
 struct SegmentState {
   double pond = 0.0;  ///< m3 (2D: m2), water that stands on the surface of the segment
+  double head = 0.0;  ///< m, pressure head of free water at its centre; zero or below: none stands there
 };
 
 /// Volumes of water since the start of the run [m3, 2D: m2].

@@ -3,6 +3,7 @@
 
 #include "pore_solver/boundary/pore_boundary.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +18,7 @@ class WaterBehind : public PoreBoundary {
 
  protected:
   void note_interval(double interval) { interval_ = interval; }
+  [[nodiscard]] double interval() const { return interval_; }  ///< s
 
  private:
   double interval_ = 0.0;  ///< s

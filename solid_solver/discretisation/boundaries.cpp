@@ -12,7 +12,43 @@
 
 namespace poretwin::solid {
 
+template <int D>
+std::vector<sph::ImagePlane<D>> plate_planes(const Plate& plate) {
+  auto planes = planes_of<D>(plate.face, 0, 0.0);
+  if constexpr (D == 3)
+    if (const auto& part = plate.face.within) {
+      Eigen::Index across = 0;
+      planes[0].normal.cwiseAbs().maxCoeff(&across);
+      const Eigen::Index first = (across + 1) % 3, second = (across + 2) % 3;
+      planes[0].tangent = Vec<3>::Unit(first);
+      planes[0].from = part->min[first];
+      planes[0].to = part->max[first];
+      planes[0].second_tangent = Vec<3>::Unit(second);
+      planes[0].second_from = part->min[second];
+      planes[0].second_to = part->max[second];
+    }
+  return planes;
+}
+
 namespace {
+
+/// Extends a rectangle that reaches a wall or another plate, or goes beyond it, to `margin` [m] behind it (3D).
+template <int D>
+void close_corners(const std::vector<sph::ImagePlane<D>>& others, double margin, sph::ImagePlane<D>& plate) {
+  const Vec<D>&u = plate.tangent, &v = plate.second_tangent;
+  const Vec<D> middle =
+      plate.at(0.5 * (plate.from + plate.to)) + (0.5 * (plate.second_from + plate.second_to) - v.dot(plate.point)) * v;
+  const auto extend = [&](const Vec<D>& along, double& from, double& to) {
+    for (const auto& other : others) {
+      const double facing = other.normal.dot(along), level = along.dot(other.point);
+      if (std::abs(facing) < 0.99 || !other.faces(middle + (level - along.dot(middle)) * along)) continue;
+      if (facing > 0.0 && from < level + 1e-3 * margin) from = level - margin;
+      if (facing < 0.0 && to > level - 1e-3 * margin) to = level + margin;
+    }
+  };
+  extend(u, plate.from, plate.to);
+  extend(v, plate.second_from, plate.second_to);
+}
 
 /// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended beyond it by `margin`
 /// [m], so that the corner is closed. Other ends are free.
@@ -20,9 +56,17 @@ template <int D>
 void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
   std::vector<sph::ImagePlane<D>> others = boundaries.planes;
   for (const Plate& plate : scene.plates)
-    for (const auto& plane : planes_of<D>(plate.face, 0, 1e-3 * margin)) others.push_back(plane);
+    for (auto plane : plate_planes<D>(plate)) {
+      if (plane.to > plane.from) {
+        plane.from -= 1e-3 * margin;
+        plane.to += 1e-3 * margin;
+        plane.second_from -= 1e-3 * margin;
+        plane.second_to += 1e-3 * margin;
+      }
+      others.push_back(plane);
+    }
   for (std::size_t k = 0; k < scene.plates.size(); ++k)
-    for (auto plane : planes_of<D>(scene.plates[k].face, 0, 0.0)) {
+    for (auto plane : plate_planes<D>(scene.plates[k])) {
       const auto on_wall = [&](double along) {
         const Vec<D> end = plane.at(along);
         return std::ranges::any_of(others, [&](const auto& wall) {
@@ -30,7 +74,9 @@ void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
           return across && std::abs(wall.normal.dot(end - wall.point)) < 1e-3 * margin && wall.faces(end);
         });
       };
-      if (plane.to > plane.from) {
+      if (D == 3 && plane.to > plane.from) {
+        close_corners<D>(others, margin, plane);
+      } else if (plane.to > plane.from) {
         const bool first = on_wall(plane.from), last = on_wall(plane.to);
         if (first) plane.from -= margin;
         if (last) plane.to += margin;
@@ -152,13 +198,8 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, std::size_t n_r
     for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
       // Also where no wall is near: an image by both sides of a line lies where the particle itself does.
       sight.find_near(position[i], reach, walls);
-      for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-        const Index j = pairs.index[m];
-        // The order is the same for both particles of a pair, and so is the result.
-        const bool seen = j >= n_real ? sight.sees(position[i], j, n_real, position, images.by, images.of, walls)
-                                      : sight.open(position[std::min(i, j)], position[std::max(i, j)], walls);
-        if (!seen) pairs.index[m] = i;
-      }
+      for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
+        if (!sight.pairs(i, pairs.index[m], n_real, position, images.by, images.of, walls)) pairs.index[m] = i;
     }
   });
 }
@@ -521,6 +562,8 @@ void fill_velocities(const Particles<D>& p, Neighbourhood<D>& near, std::vector<
   }
 }
 
+template std::vector<sph::ImagePlane<2>> plate_planes<2>(const Plate&);
+template std::vector<sph::ImagePlane<3>> plate_planes<3>(const Plate&);
 template struct Boundaries<2>;
 template struct Boundaries<3>;
 template Boundaries<2> make_boundaries<2>(const Case&, double);

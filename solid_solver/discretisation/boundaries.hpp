@@ -32,6 +32,10 @@ struct Boundaries {
 template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin);
 
+/// The planes of a plate as drawn: a straight line (2D), a rectangle along the axes (3D), or a plane without ends.
+template <int D>
+std::vector<sph::ImagePlane<D>> plate_planes(const Plate& plate);
+
 /// The boundaries with the plates at their present places. The planes of plates have the plates' speeds.
 template <int D>
 Boundaries<D> with_plates_at(const std::vector<PlateMotion<D>>& plates, Boundaries<D> boundaries);

@@ -35,7 +35,7 @@ std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const 
     plate.force = given.force;
     plate.slide = given.along;
     if (given.start) plate.start = *given.start;
-    for (const auto& plane : planes_of<D>(given.face, 0, 0.0)) {
+    for (const auto& plane : plate_planes<D>(given)) {
       plate.normal = plane.normal;
       plate.along = plane.tangent;
       if constexpr (D == 2)
@@ -43,14 +43,13 @@ std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const 
       for (std::size_t i = 0; i < position.size(); ++i) {
         const double distance = plane.normal.dot(position[i] - plane.point);
         if (distance <= 0.0 || distance >= spacing) continue;
-        const double along = plane.tangent.dot(position[i]), beyond = std::max(plane.from - along, along - plane.to);
         if (plane.faces(position[i]))
           plate.row += mass[i];
-        else if (beyond < spacing)
+        else if (plane.beyond(position[i]) < spacing)
           plate.sinks_in = true;
       }
     }
-    if (D == 2 && !(plate.row > 0.0))
+    if (!(plate.row > 0.0))
       throw CaseError(
           fmt::format("plate \"{}\": no soil particle lies within a spacing before it; move it to the soil's "
                       "surface",

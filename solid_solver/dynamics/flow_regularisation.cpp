@@ -223,6 +223,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
     for (std::size_t q = 0; q < batch.n_fours(); ++q) {
       const Index* const i = &batch.who[q * n_lanes];
       Four& four = batch.fours[q];
+      four.duration = 0.0;
       Lanes gradient[D * D], around[A::size], rate[6], mass, volume, coverage, shear, elastic;
       gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
       gather<0, A::size>({sums[i[0]].x.data(), sums[i[1]].x.data(), sums[i[2]].x.data(), sums[i[3]].x.data()}, around);

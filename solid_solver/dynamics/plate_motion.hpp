@@ -14,7 +14,9 @@ void drive_plates(const Setup<D>& setup, double dt, const Drive<D>& drive, State
 /// is minus the sum of the forces that the images behind the plate exert on the soil's particles, stabilising forces
 /// included. The water's force is that of a stress equal to the pore pressure at the plate, p - d n . grad p, with the
 /// particle's distance d from the plate and the plate's normal n: the effective stress is extrapolated to the plate in
-/// the same way. The forces of the state must be current.
+/// the same way. In 3D only the part along the normal is complete: where a rough plate ends on a wall, images behind
+/// both also shear the soil along their edge, and this force is counted for neither. The forces of the state must be
+/// current.
 template <int D>
 void measure_reactions(const Setup<D>& setup, State<D>& state);
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace poretwin::solid {
@@ -133,7 +134,7 @@ void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& s
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
   for (auto& plate : p.plates) plate.displacement += dt * plate.velocity;
-  strain<D>(setup, dt, state);
+  strain<D>(setup, dt, drive && drive->timeless ? std::numeric_limits<double>::infinity() : dt, state);
   slide_on_walls(setup, dt, drive, state);
   state.any_yielded = state.any_yielded || setup.domain.any(std::any_of(state.yielded.begin(), state.yielded.end(),
                                                                         [](char y) { return y; }));

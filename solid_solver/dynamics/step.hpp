@@ -15,6 +15,7 @@ struct Drive {
   VecArray<D> target;            ///< m/s, target velocity of each particle
   std::vector<PlateOrder<D>> plates;  ///< orders for the plates; empty: the plates do not move
   double damping = 0.0;          ///< 1/s, damping rate of all soil
+  bool timeless = false;         ///< velocities serve a search for rest: no strength depends on them
   double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while other regions flow
 };
 

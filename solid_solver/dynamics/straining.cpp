@@ -8,7 +8,7 @@ namespace {
 
 /// Computes trial strains, rotated stresses, and the volumes that follow from the strains, for a batch of particles.
 template <int D>
-void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batch) {
+void follow(const Setup<D>& setup, double dt, double duration, const State<D>& state, Batch& batch) {
   const Particles<D>& p = state.particles;
   const Index soil = batch.soil;
   const double density = setup.density[soil], grain_density = setup.grain_density[soil],
@@ -19,6 +19,8 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
     for (std::size_t q = 0; q < batch.n_fours(); ++q) {
       const Index* const i = &batch.who[q * n_lanes];
       Four& four = batch.fours[q];
+      four.duration = duration;
+      four.viscosity = setup.water.dynamic_viscosity();
       Lanes gradient[D * D], turning[6];
       gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
       take_stresses(p.stress, i, four.stress);
@@ -62,14 +64,14 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
 }  // namespace
 
 template <int D>
-void strain(const Setup<D>& setup, double dt, State<D>& state) {
+void strain(const Setup<D>& setup, double dt, double duration, State<D>& state) {
   Particles<D>& p = state.particles;
   const auto strained = [&](Index i) {
     const bool held = i >= p.free() && state.nodes[i].gradient.squaredNorm() == 0.0;
     return !held && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
   };
   for_batches(state, strained, [&](Batch& batch) {
-    follow<D>(setup, dt, state, batch);
+    follow<D>(setup, dt, duration, state, batch);
     follow_strains(setup, batch, p);
     const float friction = setup.loose_friction[batch.soil];
     for (std::size_t k = 0; k < batch.count; ++k) {
@@ -87,7 +89,7 @@ void strain(const Setup<D>& setup, double dt, State<D>& state) {
   });
 }
 
-template void strain<2>(const Setup<2>&, double, State<2>&);
-template void strain<3>(const Setup<3>&, double, State<3>&);
+template void strain<2>(const Setup<2>&, double, double, State<2>&);
+template void strain<3>(const Setup<3>&, double, double, State<3>&);
 
 }  // namespace poretwin::solid

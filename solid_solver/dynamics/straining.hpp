@@ -6,8 +6,9 @@
 namespace poretwin::solid {
 
 /// Advances volume, stress, plastic strain, `rubbing` and `yielded` of every particle that is awake by dt [s], with the
-/// velocity gradient of its node, for four particles of one soil at a time.
+/// velocity gradient of its node, for four particles of one soil at a time. duration [s]: time that the strain takes,
+/// for materials whose strength depends on its rate (Condition::duration).
 template <int D>
-void strain(const Setup<D>& setup, double dt, State<D>& state);
+void strain(const Setup<D>& setup, double dt, double duration, State<D>& state);
 
 }  // namespace poretwin::solid

@@ -180,7 +180,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, Sta
       p.slipped[i] += tangential(p.displacement[i] - distance * state.nodes[i].deformation * normal - p.slipped[i]);
     set_matrix<D>(matrix_of<D>(p.stress[i]) + change * normal.transpose() + normal * change.transpose(), p.stress[i]);
     const double plastic = setup.models[p.material[i]]->advance(
-        p.stress[i], Tensor::Zero(), condition(setup, p, i, state.external.saturation[i]), p.state_of(i));
+        p.stress[i], Tensor::Zero(), at_once(setup, p, i, state.external.saturation[i]), p.state_of(i));
     if (plastic > 0.0) {
       p.plastic_strain[i] += plastic;
       state.yielded[i] = 1;

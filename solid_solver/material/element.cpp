@@ -30,13 +30,14 @@ const LaboratoryTest& laboratory_test(std::string_view name) {
   throw CaseError(fmt::format("test \"{}\": expected one of {}", name, names));
 }
 
-Element::Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress)
+Element::Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress, double viscosity)
     : model_(model),
       start_(stress),
       stress_(stress),
       state_(model.state_size()),
       initial_void_ratio_(soil.porosity / (1.0 - soil.porosity)),
-      saturation_(soil.initial_saturation) {
+      saturation_(soil.initial_saturation),
+      viscosity_(viscosity) {
   model.initial(stress, state_);
 }
 
@@ -88,11 +89,11 @@ struct Element::Control {
   static constexpr int xx = 0, yy = 1, zz = 2, xy = 3, last = 3;
 };
 
-void Element::strain_by(const LaboratoryTest& test, double step) {
+void Element::strain_by(const LaboratoryTest& test, double step, double duration) {
   Control control(test, start_);
   control.strain(Control::last, test.shears ? Control::xy : Control::yy) = test.shears ? 2.0 : 1.0;
   control.value[Control::last] = step;
-  follow(control);
+  follow(control, duration);
 }
 
 void Element::load_to(const LaboratoryTest& test, double target) {
@@ -100,11 +101,11 @@ void Element::load_to(const LaboratoryTest& test, double target) {
   control.stress(Control::last, test.shears ? Control::xy : Control::yy) = 1.0;
   if (test.undrained && !test.shears) control.stress(Control::last, Control::xx) = -1.0;
   control.value[Control::last] = target;
-  follow(control);
+  follow(control, std::numeric_limits<double>::infinity());
 }
 
-void Element::follow(const Control& control) {
-  const Condition condition{saturation_, void_ratio()};
+void Element::follow(const Control& control, double duration) {
+  const Condition condition{saturation_, void_ratio(), duration, viscosity_};
   Tensor stress;
   std::vector<double> state;
   double plastic = 0.0;

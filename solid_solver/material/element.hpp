@@ -23,12 +23,13 @@ const LaboratoryTest& laboratory_test(std::string_view name);
 /// A soil sample. Stresses are effective, tension positive; strains are logarithmic.
 class Element {
  public:
-  Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress);
-  /// Applies an increment `step` of the axial strain (tension positive) or of gamma_xy. Throws DivergedError where no
-  /// strain satisfies the conditions of the test.
-  void strain_by(const LaboratoryTest& test, double step);
-  /// Strains the sample until the axial stress (in undrained tests s_yy - s_xx), or s_xy, is `target` [Pa]. Throws
-  /// DivergedError where the soil cannot bear this stress.
+  /// viscosity [Pa s]: that of the water in its pores.
+  Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress, double viscosity = 0.0);
+  /// Applies an increment `step` of the axial strain (tension positive) or of gamma_xy, in `duration` [s]; infinite: so
+  /// slowly that the rate does not matter. Throws DivergedError where no strain satisfies the conditions of the test.
+  void strain_by(const LaboratoryTest& test, double step, double duration = std::numeric_limits<double>::infinity());
+  /// Strains the sample, slowly, until the axial stress (in undrained tests s_yy - s_xx), or s_xy, is `target` [Pa].
+  /// Throws DivergedError where the soil cannot bear this stress.
   void load_to(const LaboratoryTest& test, double target);
 
   [[nodiscard]] const Tensor& stress() const { return stress_; }
@@ -45,11 +46,11 @@ class Element {
 
  private:
   struct Control;
-  void follow(const Control& control);
+  void follow(const Control& control, double duration);
   const ConstitutiveModel& model_;
   Tensor start_, stress_, strain_ = Tensor::Zero();
   std::vector<double> state_;
-  double plastic_ = 0.0, initial_void_ratio_, saturation_;
+  double plastic_ = 0.0, initial_void_ratio_, saturation_, viscosity_;
 };
 
 }  // namespace poretwin::solid

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -106,15 +107,20 @@ struct StateVariable {
 struct Condition {
   double saturation = 0.0;  ///< degree of saturation s_r
   double void_ratio = 0.0;  ///< e = n / (1 - n)
+  /// s, in which the strain increment takes place. Infinite where strains are those of a search for rest, in which no
+  /// time passes; 0 where a stress that other code changed is brought back to what the soil can carry.
+  double duration = std::numeric_limits<double>::infinity();
+  double viscosity = 0.0;  ///< Pa s, dynamic viscosity of the water
 };
 
 /// Four particles of one soil, one per lane, with the inputs and results of a model's advance().
 struct Four {
-  Lanes stress[6];               ///< Pa, in the order of Tensor
-  Lanes strain[6];               ///< strain increment
-  Lanes saturation, void_ratio;  ///< see Condition
-  Lanes plastic;                 ///< result: the increment of equivalent deviatoric plastic strain
-  Quad* state = nullptr;         ///< the state_size() state variables; updated together with the stress
+  Lanes stress[6];                                                             ///< Pa, in the order of Tensor
+  Lanes strain[6];                                                             ///< strain increment
+  Lanes saturation, void_ratio;                                                ///< see Condition
+  double duration = std::numeric_limits<double>::infinity(), viscosity = 0.0;  ///< s, Pa s, see Condition
+  Lanes plastic;          ///< result: the increment of equivalent deviatoric plastic strain
+  Quad* state = nullptr;  ///< the state_size() state variables; updated together with the stress
 };
 
 /// Effective stress from strain increments. The caller rotates the stress (Jaumann rate). A particle's state consists

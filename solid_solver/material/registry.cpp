@@ -4,6 +4,7 @@
 #include "solid_solver/material/elastic.hpp"
 #include "solid_solver/material/modified_cam_clay.hpp"
 #include "solid_solver/material/mohr_coulomb.hpp"
+#include "solid_solver/material/mu_i.hpp"
 #include "solid_solver/material/umat.hpp"
 
 #include "common/core/error.hpp"
@@ -30,6 +31,7 @@ std::vector<Row>& table() {
                                {{"drucker_prager_rate", cohesion_and_friction, {}}, make<DruckerPragerRate>},
                                {{"mohr_coulomb", cohesion_and_friction, {}}, make<MohrCoulomb>},
                                {ModifiedCamClay::row(), make<ModifiedCamClay>},
+                               {MuI::row(), make<MuI>},
                                {{"umat", own, {}, &Umat::judge}, make<Umat>}};
   return rows;
 }
@@ -60,7 +62,8 @@ void ConstitutiveModel::advance(std::span<Four> many) const {
       }
       for (std::size_t k = 0; k < size; ++k) state[k] = four.state[k].v[l];
       try {
-        four.plastic[l] = advance(stress, strain, {four.saturation[l], four.void_ratio[l]}, state);
+        four.plastic[l] =
+            advance(stress, strain, {four.saturation[l], four.void_ratio[l], four.duration, four.viscosity}, state);
       } catch (MaterialFailure& failure) {
         failure.place = q * n_lanes + l;
         throw;

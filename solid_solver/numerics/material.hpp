@@ -36,6 +36,18 @@ inline constexpr double finest = 256.0;
 
 }  // namespace poretwin::solid::cam_clay
 
+namespace poretwin::solid::mu_i {
+
+/// Error at which the searches for the plastic shear strain and the pressure of an increment end: of the shear stress
+/// over the trial one, and of the square root of the pressure over itself.
+/// Unit: 1. Test: MuI.ShearsSteadilyAtTheFrictionOfItsRate (untried).
+inline constexpr double reached = 1e-10;
+/// Largest number of rounds of these searches; 3 to 8 are usual.
+/// Unit: rounds. Test: none known (a guard).
+inline constexpr int rounds = 100;
+
+}  // namespace poretwin::solid::mu_i
+
 namespace poretwin::solid::element {
 
 /// Accepted residual of the conditions of an element test on stress and strain at the end of a step, over the residual

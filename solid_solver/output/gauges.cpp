@@ -154,8 +154,10 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
       for (std::size_t k = 0; k < setup.plates.size(); ++k) {
         const PlateSetup<D>& plate = setup.plates[k];
         if (plate.name != gauge.quantity) continue;
-        readings.push_back({gauge.name, p.plates[k].water - plate.normal.dot(p.plates[k].reaction), "N/m"});
-        readings.push_back({gauge.name + "_along", -plate.along.dot(p.plates[k].reaction), "N/m"});
+        readings.push_back(
+            {gauge.name, p.plates[k].water - plate.normal.dot(p.plates[k].reaction), D == 2 ? "N/m" : "N"});
+        if constexpr (D == 2)
+          readings.push_back({gauge.name + "_along", -plate.along.dot(p.plates[k].reaction), "N/m"});
         readings.push_back({gauge.name + "_displacement", plate.normal.dot(p.plates[k].displacement), "m"});
       }
       continue;

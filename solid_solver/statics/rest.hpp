@@ -72,6 +72,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
                      Show&& show, const bool& given_up = false) {
   RestReport report;
   Drive<D> drive;
+  drive.timeless = true;
   external(drive, true);
   report.criterion = search.criterion;
   const double reference = reference_acceleration(setup, state, drive);

@@ -182,8 +182,8 @@ TEST_F(CaseFile, EachSoilMayHaveAMaterialOfItsOwn) {
   EXPECT_NE(both.digest(), read(second, {"soil.1.model=elastic"}).digest());
   EXPECT_THAT(complaint(second, {"soil.1.model=drucker_prage"}),
               HasSubstr("expected one of \"elastic\", \"drucker_prager\", \"drucker_prager_rate\", "
-                        "\"mohr_coulomb\", \"modified_cam_clay\", \"umat\", found the text \"drucker_prage\"; did you "
-                        "mean \"drucker_prager\"?"));
+                        "\"mohr_coulomb\", \"modified_cam_clay\", \"mu_i\", \"umat\", found the text \"drucker_prage\"; "
+                        "did you mean \"drucker_prager\"?"));
 }
 
 TEST_F(CaseFile, TakesThePapersDefaultsByName) {

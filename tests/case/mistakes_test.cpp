@@ -117,6 +117,15 @@ TEST_F(Mistakes, AllCasesOfTheProjectPass) {
   EXPECT_GT(read, 40u);
 }
 
+TEST_F(Mistakes, AToleranceThatLetsErrorsAddUpIsDoubted) {
+  const auto warnings_with = [](const std::string& tolerance) {
+    const auto path = std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases/blow_out/case.toml";
+    return read_case(path, {"coupling.tolerance=" + tolerance}).warnings;
+  };
+  EXPECT_THAT(warnings_with("0.003"), testing::IsEmpty());
+  EXPECT_THAT(warnings_with("0.005"), testing::ElementsAre(HasSubstr("key 'coupling.tolerance': 0.005 of the weight")));
+}
+
 TEST_F(Mistakes, APolygonThatCrossesItselfIsNamed) {
   EXPECT_EQ(complaint(dam), "no complaint");
   EXPECT_THAT(complaint(changed(dam, "[0.8, 0.4], [0.4, 0.4]", "[0.4, 0.4], [0.8, 0.4]")),
@@ -674,6 +683,63 @@ TEST_F(Mistakes, PlatesStandWhereTheyAreComputed) {
   const std::string gauge = "[[gauge]]\nname = \"q\"\nphase = \"solid\"\nkind = \"plate\"\n";
   EXPECT_EQ(complaint(footing + gauge + "quantity = \"footing\"\n"), "no complaint");
   EXPECT_THAT(complaint(footing + gauge + "quantity = \"foting\"\n"), HasSubstr("footing"));
+}
+
+TEST_F(Mistakes, PlatesIn3DAreRectanglesOnBoxes) {
+  const auto block = [](const std::string& plate) {
+    return R"([case]
+dimension = 3
+end_time = 1
+[[soil]]
+min = [0, 0, 0]
+max = [0.4, 0.4, 0.4]
+[[wall]]
+point = [0, 0, 0]
+normal = [0, 0, 1]
+[[wall]]
+point = [0, 0, 0]
+normal = [1, 0, 0]
+[solid]
+particle_spacing = 0.02
+[[plate]]
+speed = 0.01
+)" + plate;
+  };
+  const std::string top = "point = [0, 0, 0.4]\nnormal = [0, 0, -1]\n";
+  const auto within = [&](const std::string& min, const std::string& max) {
+    return block(top + "within = { min = " + min + ", max = " + max + " }\n");
+  };
+  EXPECT_EQ(complaint(block(top)), "no complaint");
+  EXPECT_EQ(complaint(within("[-1, 0.1, 0]", "[0.2, 0.2, 1]")), "no complaint");
+  EXPECT_THAT(complaint(within("[0.01, 0.1, 0]", "[0.2, 0.2, 1]")), HasSubstr("its rim at x = 0.01 m lies 0.01 m off"));
+  EXPECT_THAT(complaint(within("[0, 0.1, 0]", "[0.2, 0.2, 0.3]")), HasSubstr("found none of z = 0.4 m in it"));
+  EXPECT_THAT(complaint(within("[0, 0.1, 0]", "[0.2, 0.12, 1]")),
+              HasSubstr("shorter side is 0.02 m: expected at least 0.04"));
+  EXPECT_THAT(complaint(within("[0.2, 0.39, 0]", "[0.3, 0.6, 1]")),
+              HasSubstr("touch soil, expected at least 0.0016 m2"));
+  EXPECT_THAT(complaint(block("points = [[0.2, 0, 0.4], [0, 0, 0.4]]\n")), HasSubstr("expected 'point' and 'normal'"));
+  EXPECT_THAT(complaint(block("point = [0, 0, 0.4]\nnormal = [0, 0.1, -1]\n")), HasSubstr("along an axis"));
+  EXPECT_THAT(complaint(block("point = [0, 0, 0.42]\nnormal = [0, 0, -1]\n")), HasSubstr("a gap is left between"));
+  EXPECT_THAT(complaint(block("point = [0, 0, 0.2]\nnormal = [0, 0, -1]\n")), HasSubstr("soil lies behind the plate"));
+  EXPECT_THAT(complaint(block("point = [0, 0, 0]\nnormal = [0, 0, 1]\n")), HasSubstr("lies on wall[0]"));
+  EXPECT_THAT(complaint(block(top + "surface = \"rough\"\nalong = [[0, 0], [1, 0.01]]\n")),
+              HasSubstr("belongs to dimension = 2"));
+  EXPECT_THAT(complaint(block(top + "within = { shape = \"ball\", centre = [0, 0, 0.4], radius = 0.2 }\n")),
+              HasSubstr("a plate in 3D is a rectangle"));
+  EXPECT_THAT(complaint(block(top + "within = { min = [0, 0, 0], max = [1, 1, 1], turn = 30, axis = [0, 0, 1] }\n")),
+              HasSubstr("without turn, scale, move and cuts"));
+  EXPECT_THAT(complaint(changed(block(top), "min = [0, 0, 0]\nmax = [0.4, 0.4, 0.4]",
+                                "shape = \"cylinder\"\nends = [[0.2, 0.2, 0], [0.2, 0.2, 0.4]]\nradius = 0.2")),
+              HasSubstr("soil of another shape is packed"));
+  EXPECT_THAT(complaint(changed(block(top), "normal = [1, 0, 0]", "normal = [1, 0, 0]\nsoil = \"rough\""),
+                        {"case.domain_min=[0, 0, 0]", "case.domain_max=[1, 1, 1]"}),
+              HasSubstr("wall[1] has rows of soil behind it, which no plate would meet"));
+  const std::string field =
+      "[fluid]\nrepresentation = \"field\"\nparticle_spacing = 0.02\ninitial_water_table = 0.4\n"
+      "[[water_face]]\npoint = [0.4, 0, 0]\nnormal = [-1, 0, 0]\nhead = 0.4\n";
+  EXPECT_THAT(complaint(block(top) + field), HasSubstr("plates in 3D stand beside dry soil only"));
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [0, 0.4]]", "speed = 0.01\nwithin = { min = [0, 0], max = [1, 1] }")),
+              HasSubstr("belongs to dimension = 3"));
 }
 
 TEST_F(Mistakes, NoTightPlateMovesWithTheSoil) {

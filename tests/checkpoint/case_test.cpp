@@ -3,6 +3,7 @@
 #include "common/case/case.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "fluid_solver/fluid.hpp"
+#include "joint_solver/joint_water.hpp"
 #include "pore_solver/pore_phase.hpp"
 #include "solid_solver/solid.hpp"
 #include "tests/child.hpp"
@@ -57,6 +58,7 @@ class CaseRun : public testing::Test {
   }
 
   std::unique_ptr<Phase> water() const {
+    if (scene_.is_both()) return joint::make_joint_water(scene_);
     return scene_.is_field() ? pore::make_pore_water(scene_) : fluid::make_fluid(scene_);
   }
 

@@ -151,6 +151,25 @@ TEST(ShapedWalls, AnObstacleAtRestIsNoSource) {
   EXPECT_LT(rest.speed, 2e-4);
 }
 
+// Places on walls, in a corner and on the side and the top of an obstacle, see the images behind them.
+TEST(ShapedWalls, AGaugeOnThemReadsAsOneInTheWater) {
+  constexpr double dx = 0.05, level = 0.4;
+  const Shape obstacle = block(Point3(0.2, 0.2, 0.0), Point3(0.4, 0.4, 0.2));
+  Shape region = block(Point3::Zero(), Point3(0.6, 0.6, level));
+  region.without = {block(Point3(0.2, 0.2, -0.1), Point3(0.4, 0.4, 0.2))};
+  Case scene =
+      tank({plane({0, 0, 0}, {1, 0, 0}), plane({0.6, 0, 0}, {-1, 0, 0}), plane({0, 0, 0}, {0, 1, 0}),
+            plane({0, 0.6, 0}, {0, -1, 0}), plane({0, 0, 0}, {0, 0, 1}), wall_of(obstacle, Wall::Domain::outside)},
+           region, dx);
+  const std::vector<Point3> feet{{0.1, 0.1, 0.0}, {0.0, 0.3, 0.0}, {0.6, 0.6, 0.0}, {0.2, 0.3, 0.0}, {0.3, 0.3, 0.2}};
+  for (std::size_t k = 0; k < feet.size(); ++k)
+    scene.gauges.push_back(gauge(std::to_string(k), "front", {feet[k], Point3(feet[k].x(), feet[k].y(), 1.0)}));
+  Fluid<3> fluid(scene);
+  run(fluid, 0.05);
+  for (std::size_t k = 0; k < feet.size(); ++k)
+    EXPECT_NEAR(reading(fluid, std::to_string(k)), level - feet[k].z(), 0.2 * dx) << feet[k].transpose();
+}
+
 /// A column of water that collapses in a box of one metre by 0.4; the box's walls are planes or the surface of a shape.
 Case collapse(bool planes, double turn) {
   const Shape box = block(Point3::Zero(), Point3(1.0, 0.4, 0.6));

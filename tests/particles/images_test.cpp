@@ -21,6 +21,23 @@ TEST(Images, APlaneCatchesWhatFellThroughItHoweverDeep) {
   EXPECT_EQ(v, Vec<3>(1.0, 0.0, 0.0));
 }
 
+TEST(Images, ARectangleMirrorsOnlyWhatLiesOppositeIt) {
+  sph::ImagePlane<3> plane;
+  plane.normal = Vec<3>::UnitZ();
+  plane.tangent = Vec<3>::UnitX();
+  plane.from = 1.0;
+  plane.to = 2.0;
+  plane.second_tangent = Vec<3>::UnitY();
+  plane.second_from = 3.0;
+  plane.second_to = 5.0;
+  const VecArray<3> points{{1.5, 4.0, 0.1}, {0.9, 4.0, 0.1}, {2.1, 4.0, 0.1}, {1.5, 2.9, 0.1}, {1.5, 5.2, 0.1}};
+  const auto images = sph::make_images<3>(points, std::span(&plane, 1), 0.2);
+  ASSERT_EQ(images.size(), 1u);
+  EXPECT_EQ(images.position[0], Vec<3>(1.5, 4.0, -0.1));
+  EXPECT_NEAR(plane.beyond(points[0]), -0.5, 1e-12);
+  EXPECT_NEAR(plane.beyond(points[4]), 0.2, 1e-12);
+}
+
 TEST(Images, ContinueTheLatticeThroughWallsAndCorners) {
   Shape box;
   box.max = Point3(1.0, 1.0, 0.0);

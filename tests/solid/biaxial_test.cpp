@@ -79,7 +79,7 @@ struct Biaxial {
       state.nodes[i].gradient.setZero();
       state.nodes[i].gradient(1, 1) = -strain;
     }
-    solid::strain<2>(setup, 1.0, state);
+    solid::strain<2>(setup, 1.0, 1.0, state);
     rebuild(setup, state);
     evaluate_forces(setup, state);
     shortening += strain;

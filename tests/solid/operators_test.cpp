@@ -331,9 +331,9 @@ void expect_lower_moduli_at_edges() {
   gradient(1, 1) = -0.5;
   auto [setup, state] = deforming_block<D>(gradient, SolidCase::Model::elastic);
   State<D> stiff = state;
-  strain<D>(setup, 1e-3, stiff);
+  strain<D>(setup, 1e-3, 1e-3, stiff);
   setup.soft_edges = true;
-  strain<D>(setup, 1e-3, state);
+  strain<D>(setup, 1e-3, 1e-3, state);
   double least = 1.0;
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
     const double share = share_at_edge(state, i);
@@ -358,9 +358,9 @@ TEST(SoftEdges, CountAllOfThePlasticStrain) {
   // Cohesionless soil that is pulled apart has no stress: all its strain is plastic, for any moduli.
   auto [setup, state] = deforming_block<2>(Mat<2>{{0.4, 0.0}, {0.0, 0.1}}, SolidCase::Model::drucker_prager);
   State<2> stiff = state;
-  strain<2>(setup, 1e-3, stiff);
+  strain<2>(setup, 1e-3, 1e-3, stiff);
   setup.soft_edges = true;
-  strain<2>(setup, 1e-3, state);
+  strain<2>(setup, 1e-3, 1e-3, state);
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
     EXPECT_GT(stiff.particles.plastic_strain[i], 1e-4);
     EXPECT_NEAR(state.particles.plastic_strain[i], stiff.particles.plastic_strain[i], 1e-15);

@@ -33,9 +33,15 @@ Plate lid(double width, double height) {
   return plate;
 }
 
-void run(Solid<2>& solid, double end) { run_dry(solid, end, 20.0 * solid.setup().longest_substep); }
+template <int D>
+void run(Solid<D>& solid, double end) {
+  run_dry(solid, end, 20.0 * solid.setup().longest_substep);
+}
 
-const PlateMotion<2>& plate_of(const Solid<2>& solid, std::size_t k = 0) { return solid.state().particles.plates[k]; }
+template <int D>
+const PlateMotion<D>& plate_of(const Solid<D>& solid, std::size_t k = 0) {
+  return solid.state().particles.plates[k];
+}
 
 TEST(Plate, CompressesAColumnAsAnOedometerDoes) {
   constexpr double width = 0.4, height = 1.0;
@@ -256,6 +262,115 @@ TEST(Plate, ThatPullsIsWarnedOf) {
     run(solid, 2.0);
     EXPECT_NEAR(plate_of(solid).reaction.y(), sign * constrained * strain * width, 0.01 * constrained * strain * width);
     EXPECT_EQ(warned_of_pull(solid) > 0.0, sign < 0.0);
+  }
+}
+
+/// A column in 3D between smooth walls, without weight.
+Case block(double spacing, double width, double height, Wall::ForSoil base) {
+  ColumnSpec spec;
+  spec.dimension = 3;
+  spec.width = width;
+  spec.height = height;
+  spec.spacing = spacing;
+  spec.gravity = 0.0;
+  spec.base = base;
+  return column(spec);
+}
+
+/// A plate on a block's top: the rectangle from `min` to `max` [m].
+Plate slab(const Point3& min, const Point3& max, double height) {
+  Plate plate;
+  plate.name = "slab";
+  plate.face = plane(height * Point3::UnitZ(), -Point3::UnitZ());
+  plate.face.within.emplace();
+  plate.face.within->min = min;
+  plate.face.within->max = max;
+  return plate;
+}
+
+TEST(PlateIn3D, CompressesAColumnAsAnOedometerDoes) {
+  constexpr double width = 0.4, height = 0.6, strain = 1e-3;
+  for (const double beyond : {0.0, 0.3}) {  // a plate that ends on the walls, one that is drawn beyond them
+    Case scene = block(0.1, width, height, Wall::ForSoil::roller);
+    Plate plate = slab({-beyond, -beyond, 0.0}, {width + beyond, width + beyond, 1.0}, height);
+    plate.speed = Series{{{0.0, 0.0}, {1.0, strain * height}, {2.0, 0.0}}};
+    scene.plates = {plate};
+    Solid<3> solid(scene);
+    EXPECT_FALSE(solid.setup().plates[0].sinks_in);
+    solid.initialise({});
+    run(solid, 2.0);
+    const double stress = -constrained * std::log1p(-strain), force = stress * width * width;
+    EXPECT_NEAR(plate_of(solid).displacement.z(), -strain * height, 1e-9);
+    EXPECT_NEAR(plate_of(solid).reaction.z(), force, 1e-3 * force);
+    EXPECT_NEAR(plate_of(solid).reaction.head<2>().norm(), 0.0, 1e-6 * force);
+    for (const Tensor& s : solid.state().particles.stress) EXPECT_NEAR(s[2], -stress, 2e-3 * stress);
+  }
+}
+
+TEST(PlateIn3D, UnderAForceComesToRestWhereTheSoilBearsIt) {
+  constexpr double width = 0.4, height = 0.6, force = 400.0;
+  Case scene = block(0.1, width, height, Wall::ForSoil::roller);
+  Plate plate = slab({0.0, 0.0, 0.0}, {width, width, 1.0}, height);
+  plate.force = Series{{{0.0, force}}};
+  scene.plates = {plate};
+  Solid<3> solid(scene);
+  solid.initialise({});
+  EXPECT_NEAR(plate_of(solid).reaction.z(), force, 2e-3 * force);
+  const double strain = -std::expm1(-force / (width * width * constrained));
+  EXPECT_NEAR(plate_of(solid).displacement.z(), -strain * height, 3e-3 * strain * height);
+}
+
+// Smooth walls are planes of symmetry, also for a rough plate that ends on them.
+TEST(PlateIn3D, AQuarterBearsAQuarter) {
+  constexpr double spacing = 0.1, half = 0.5, side = 0.3, height = 0.4;
+  std::vector<Vec<3>> force;
+  for (const bool whole : {true, false}) {
+    const double width = whole ? 2.0 * half : half, from = whole ? half - side : 0.0, to = whole ? half + side : side;
+    Case scene = block(spacing, width, height, Wall::ForSoil::fixed);
+    Plate plate = slab({from, from, 0.0}, {to, to, 1.0}, height);
+    plate.surface = Plate::Surface::rough;
+    plate.speed = Series{{{0.0, 0.0}, {0.05, 0.02}}};
+    scene.plates = {plate};
+    Solid<3> solid(scene);
+    EXPECT_TRUE(solid.setup().plates[0].sinks_in);
+    EXPECT_NEAR(solid.setup().plates[0].row, density * spacing * (to - from) * (to - from), 1e-9);
+    solid.initialise({});
+    run_dry(solid, 0.1, 0.002);
+    force.push_back(plate_of(solid).reaction);
+  }
+  EXPECT_GT(force[0].z(), 100.0);
+  EXPECT_NEAR(force[0].z(), 4.0 * force[1].z(), 1e-5 * force[0].z());  // kernels are kept as floats
+}
+
+// As in 2D, with six smooth plates that meet at the edges of a cube. Along an edge the forces of the images behind both
+// of its plates cancel, as far as kernels, kept as floats, are the same for both of a pair.
+TEST(PlateIn3D, AllPlatesTogetherBearTheForcesOfAllImages) {
+  constexpr double width = 0.4, spacing = 0.1;
+  Case scene = block(spacing, width, width, Wall::ForSoil::none);
+  scene.walls.clear();
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {0.0, 1.0}) {
+      Plate plate = slab(Point3::Zero(), Point3::Constant(width), width);
+      plate.face.point = side * width * Point3::Unit(axis);
+      plate.face.normal = (1.0 - 2.0 * side) * Point3::Unit(axis);
+      plate.speed = Series{{{0.0, 0.01 * (1.0 + axis + 3.0 * side)}}};
+      scene.plates.push_back(plate);
+    }
+  scene.solid.initial_velocity = {0.3, -0.2, 0.1};
+  Solid<3> solid(scene);
+  solid.initialise({});
+  for (int k = 0; k < 5; ++k) {
+    run(solid, solid.state().time + 0.005);
+    const auto& p = solid.state().particles;
+    Vec<3> all = Vec<3>::Zero(), borne = all, size = all;
+    for (std::size_t i = 0; i < p.size(); ++i)
+      all += p.volume[i] * (solid.state().force[i].internal() + solid.state().force[i].stabilising());
+    for (const auto& plate : p.plates) {
+      borne -= plate.reaction;
+      size += plate.reaction.cwiseAbs();
+    }
+    EXPECT_GT(size.minCoeff(), 10.0);
+    EXPECT_LT((all - borne).norm(), 1e-6 * size.norm()) << all.transpose() << ", borne " << borne.transpose();
   }
 }
 

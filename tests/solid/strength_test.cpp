@@ -184,6 +184,19 @@ TEST(Strength, IsJudgedByTheCheck) {
               HasSubstr("'soil[0].overconsolidation_ratio': expected a number >= 1, found 0.9"));
   EXPECT_THAT(complaint(clay + "swelling_slope = 0.2", "modified_cam_clay"),
               HasSubstr("'soil[0].swelling_slope': expected less than the compression slope of 0.1"));
+  const std::string grains = "grain_diameter = 1e-3\n";
+  EXPECT_EQ(complaint(grains, "mu_i"), "");
+  EXPECT_THAT(complaint("", "mu_i"), HasSubstr("'soil[0].grain_diameter': soil.model = \"mu_i\" needs it"));
+  EXPECT_THAT(complaint("grain_diameter = -1", "mu_i"), HasSubstr("'soil[0].grain_diameter': expected a number >= 0"));
+  EXPECT_THAT(complaint(grains, "mohr_coulomb"), HasSubstr("'soil[0].grain_diameter': belongs to seepage_law"));
+  EXPECT_THAT(complaint(grains + "limiting_friction = 0.3", "mu_i"),
+              HasSubstr("'soil[0].limiting_friction': expected at least the static friction of 0.38, found 0.3"));
+  EXPECT_THAT(complaint(grains + "inertial_number = 0", "mu_i"),
+              HasSubstr("'soil[0].inertial_number': expected a number > 0"));
+  EXPECT_THAT(complaint(grains + "critical_solid_fraction = 1", "mu_i"),
+              HasSubstr("'soil[0].critical_solid_fraction': expected a number in (0, 1)"));
+  EXPECT_THAT(complaint(grains + "dilatancy = 4\ncritical_solid_fraction = 0.75", "mu_i"),
+              HasSubstr("'soil[0].dilatancy': the solid fraction of 0.6 lies so far below the critical one"));
 }
 
 // Coulomb: s1 = s3 tan^2(45 + phi/2) + 2 c tan(45 + phi/2), in triaxial compression as in plane strain; volume by the

@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 PROGRAM, SOURCE = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-PROCESSES = ("poretwin-fluid", "poretwin-pore", "poretwin-solid", "poretwin-coupler")
+PROCESSES = ("poretwin-fluid", "poretwin-pore", "poretwin-joint", "poretwin-solid", "poretwin-coupler")
 
 
 def help_of(*words):

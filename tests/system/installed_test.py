@@ -65,7 +65,7 @@ class Installed(unittest.TestCase):
         self.assertFalse(list(self.prefix.rglob("__pycache__")), "what is installed is not written to")
 
     def test_versions_are_one(self):
-        for name in ("poretwin", "poretwin-fluid", "poretwin-pore", "poretwin-solid", "poretwin-coupler"):
+        for name in ("poretwin", "poretwin-fluid", "poretwin-pore", "poretwin-joint", "poretwin-solid", "poretwin-coupler"):
             self.assertRegex(run(self.prefix / "bin" / name, "--version"), rf"^{name} {VERSION} .*, \w+, .+")
         python = {**os.environ, "PYTHONPATH": next(self.prefix.rglob("dist-packages"))}
         told = run("/usr/bin/python3", "-B", "-c", "import importlib.metadata as m, poretwin as p; print(m.version('poretwin'), p.__version__, p.__file__)",

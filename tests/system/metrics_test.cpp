@@ -55,6 +55,19 @@ TEST(Metrics, ValueInterpolatesAndScales) {
   EXPECT_EQ(judge(m, ramp, 0).complaint, "no readings of gauge 'absent'");
 }
 
+// A pressure gauge is dry until the water comes.
+TEST(Metrics, ReadingsOutsideThePhaseHaveAValueWhereItIsGiven) {
+  Gauges dry = ramp;
+  for (std::size_t i = 0; i < 50; ++i) dry["g"].value[i] = std::nan("");
+  auto m = metric("mean", 0.75, 0.02);
+  EXPECT_EQ(judge(m, dry, 0).complaint, "gauge 'g' is not a number in the range");
+  m.absent = 0.0;
+  EXPECT_NEAR(judge(m, dry, 0).value, 0.75, 0.01) << "zero up to 0.5 s, then 2 t";
+  m.scale = 10.0;
+  m.absent = 1.0;
+  EXPECT_NEAR(judge(m, dry, 0).value, 12.5, 0.1) << "in the unit of the gauge";
+}
+
 TEST(Metrics, HistoriesAreJudgedByTheirMeanAndTheirSpread) {
   auto m = metric("relative", 10.0, 0.02);
   const auto of = [&](double value) {
