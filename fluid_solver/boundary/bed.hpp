@@ -1,8 +1,8 @@
 // Walls that let water through: the bed between free water and the ground, which another solver computes.
 //
-// In a finite volume beside the bed the flow q through the bed's face is a term of the volume's balance:
+// A finite volume beside the bed loses the flow q through the bed's face:
 //
-//   dV/dt = V div v - q A,  q: into the ground
+//   dV/dt = V div v = - q A,  q: into the ground
 //
 // with v parallel to the bed on it. So the particles before the bed shrink by what the ground takes, and grow by what
 // it gives; the pressure solve gets the same term as a source. Mass is conserved to rounding whatever the arrangement

@@ -15,7 +15,7 @@ inline constexpr double reach = 2.0;
 /// Unit: volumes of a particle at the start. Test: Bed.ParticlesThatShrinkMerge (untried).
 inline constexpr double least_volume = 0.5;
 /// Volume above which a particle is divided into two.
-/// Unit: volumes of a particle at the start. Test: Bed.ParticlesThatGrowDivide (untried).
+/// Unit: volumes of a particle at the start. Test: Bed.WhatTheGroundGivesComesIntoTheParticles (untried).
 inline constexpr double most_volume = 1.6;
 /// Volume below which a particle without a neighbour becomes part of the film on the bed.
 /// Unit: volumes of a particle at the start. Test: none known.
