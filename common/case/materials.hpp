@@ -37,8 +37,8 @@ struct Material {
   void (*judge)(const Soil& soil, const Complain& complain) = nullptr;
   /// The model has no stress-free state: it needs `earth_pressure_at_rest` and an initial search for equilibrium.
   bool begins_under_stress = false;
-  /// For a limit of the model's own: the friction coefficient of the soil's grains where they have no cohesion and shear
-  /// at constant volume; nothing where they do not.
+  /// For a limit of the model's own: the friction coefficient of the soil's grains where they have no cohesion and
+  /// shear at constant volume; nothing where they do not.
   std::optional<double> (*grains)(const Soil& soil) = nullptr;
   /// Whether the model has a key of its own of this name.
   [[nodiscard]] bool has_key(std::string_view key) const {

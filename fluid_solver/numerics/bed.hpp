@@ -6,9 +6,9 @@
 namespace poretwin::fluid::bed {
 
 /// Smoothing length of the weights by which a part of the bed and the particles before it exchange water. The support,
-/// twice this length, contains four rows. With half of it the first row takes nearly all; the divergence of a single row
-/// is not resolved, the rows above are lifted too far, and water that rises into a pond 3 to 7 rows deep gains 6 % too
-/// little (2 %).
+/// twice this length, contains four rows. With half of it the first row takes nearly all; the divergence of a single
+/// row is not resolved, the rows above are lifted too far, and water that rises into a pond 3 to 7 rows deep gains 6 %
+/// too little (2 %).
 /// Unit: spacings. Test: JointWater.GroundwaterFillsAPond.
 inline constexpr double reach = 2.0;
 /// Volume below which a particle is merged with its nearest neighbour.

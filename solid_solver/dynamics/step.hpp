@@ -8,15 +8,15 @@ namespace poretwin::solid {
 /// Forces from outside during one substep, besides gravity. Empty arrays stand for zeros.
 template <int D>
 struct Drive {
-  OrZero<Vec<D>> distributed;    ///< N on each particle: the water's pressure and drag
-  VecArray<D> traction;          ///< N on each particle near a loaded face
-  ScalarArray tracking;          ///< V Z [N s/m] of each particle, in the force V Z (target - v) with which the soil
-                                 ///< tracks the fluid's prediction: bulk volume V, impedance Z (exchange/tracking.hpp)
-  VecArray<D> target;            ///< m/s, target velocity of each particle
+  OrZero<Vec<D>> distributed;  ///< N on each particle: the water's pressure and drag
+  VecArray<D> traction;        ///< N on each particle near a loaded face
+  ScalarArray tracking;        ///< V Z [N s/m] of each particle, in the force V Z (target - v) with which the soil
+                               ///< tracks the fluid's prediction: bulk volume V, impedance Z (exchange/tracking.hpp)
+  VecArray<D> target;          ///< m/s, target velocity of each particle
   std::vector<PlateOrder<D>> plates;  ///< orders for the plates; empty: the plates do not move
-  double damping = 0.0;          ///< 1/s, damping rate of all soil
-  bool timeless = false;         ///< velocities serve a search for rest: no strength depends on them
-  double damping_of_calm = 0.0;  ///< 1/s, damping rate of regions that are calm while other regions flow
+  double damping = 0.0;               ///< 1/s, damping rate of all soil
+  bool timeless = false;              ///< velocities serve a search for rest: no strength depends on them
+  double damping_of_calm = 0.0;       ///< 1/s, damping rate of regions that are calm while other regions flow
 };
 
 /// Builds lists and images anew. The forces must be evaluated afterwards.

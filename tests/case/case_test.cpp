@@ -180,10 +180,11 @@ TEST_F(CaseFile, EachSoilMayHaveAMaterialOfItsOwn) {
   const Case paper = read(second, {"case.scheme=paper"});
   EXPECT_EQ(paper.model_of(paper.soils[1]), MaterialName::drucker_prager_rate);
   EXPECT_NE(both.digest(), read(second, {"soil.1.model=elastic"}).digest());
-  EXPECT_THAT(complaint(second, {"soil.1.model=drucker_prage"}),
-              HasSubstr("expected one of \"elastic\", \"drucker_prager\", \"drucker_prager_rate\", "
-                        "\"mohr_coulomb\", \"modified_cam_clay\", \"mu_i\", \"umat\", found the text \"drucker_prage\"; "
-                        "did you mean \"drucker_prager\"?"));
+  EXPECT_THAT(
+      complaint(second, {"soil.1.model=drucker_prage"}),
+      HasSubstr("expected one of \"elastic\", \"drucker_prager\", \"drucker_prager_rate\", "
+                "\"mohr_coulomb\", \"modified_cam_clay\", \"mu_i\", \"umat\", found the text \"drucker_prage\"; "
+                "did you mean \"drucker_prager\"?"));
 }
 
 TEST_F(CaseFile, TakesThePapersDefaultsByName) {

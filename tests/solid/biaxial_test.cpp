@@ -1,9 +1,9 @@
 // A biaxial test: a block of soil between two smooth plates that approach each other, under a pressure on its free
 // sides.
 #include "scenes.hpp"
-#include "solid_solver/statics/rest.hpp"
 #include "solid_solver/dynamics/step.hpp"
 #include "solid_solver/dynamics/straining.hpp"
+#include "solid_solver/statics/rest.hpp"
 
 #include <gtest/gtest.h>
 
