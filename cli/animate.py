@@ -8,6 +8,7 @@ import subprocess
 import numpy as np
 import plot
 import style
+from stop import NO_FILE, WRONG_COMMAND, Stop
 from style import plt
 
 RATE = 10  # frames a second
@@ -33,7 +34,7 @@ class Scene:
             if shown.steps:
                 self.shown.append(shown)
         if not self.shown:
-            raise SystemExit("no frame of this run has particles")
+            raise Stop(NO_FILE, "no frame of this run has particles")
         self.times = sorted({shown.frames.times[step] for shown in self.shown for step in chosen(shown.frames.n_steps)})
         self.times = [self.times[k] for k in chosen(len(self.times))]
         widths = [plot.panel_width(shown.shape()) for shown in self.shown]
@@ -71,7 +72,7 @@ def write_gif(path, pictures):
     try:
         from PIL import Image
     except ImportError:
-        raise SystemExit("a GIF needs the package python3-pil") from None
+        raise Stop(NO_FILE, "a GIF needs the package python3-pil") from None
     images = [Image.fromarray(picture) for picture in pictures]
     # One palette serves all frames, so that colours do not flicker. It is made from a few frames, placed side by side.
     some = [images[k] for k in np.unique(np.linspace(0, len(images) - 1, 8).round().astype(int))]
@@ -96,15 +97,15 @@ def draw(options):
     """Draws the animation of `--animate FILE`, with the options `--field` and `--phase`."""
     path = options.animate
     if path.suffix not in KINDS:
-        raise SystemExit(f"{path}: expected a name that ends in .gif or .mp4")
+        raise Stop(WRONG_COMMAND, f"{path}: expected a name that ends in .gif or .mp4")
     for name in ("time", "gauge", "out"):
         if getattr(options, name):
-            raise SystemExit(f"--{name} does not go with --animate, which shows all frames in {path}")
+            raise Stop(WRONG_COMMAND, f"--{name} does not go with --animate, which shows all frames in {path}")
     if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise SystemExit("an MP4 needs the program ffmpeg, of the package ffmpeg; or write a GIF")
+        raise Stop(NO_FILE, "an MP4 needs the program ffmpeg, of the package ffmpeg; or write a GIF")
     pictures = plot.asked(options.run, options)
     if not pictures:
-        raise SystemExit(plot.nothing_to_draw(options.run, options))
+        raise plot.nothing_to_draw(options.run, options)
     scene = Scene(pictures)
     path.parent.mkdir(parents=True, exist_ok=True)
     (write_gif if path.suffix == ".gif" else write_mp4)(path, [scene.picture(time) for time in scene.times])

@@ -10,6 +10,7 @@ import numpy as np
 import plot
 import style
 from cells import SURFACE, Canvas
+from stop import NO_FILE, WRONG_COMMAND, Stop
 from style import plt
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "view"))
@@ -20,7 +21,7 @@ def read_toml(path):
     try:
         return tomllib.loads(path.read_text())
     except (OSError, ValueError) as problem:
-        raise SystemExit(f"{path}: {problem}") from None
+        raise Stop(NO_FILE, f"{path}: {problem}") from None
 
 
 def case_file(run):
@@ -42,7 +43,7 @@ def case_of(folder):
     cases = {pathlib.Path(read_toml(run / "run.toml").get("case_file", "")).parent for run in runs_below(folder)}
     cases = [case for case in cases if (case / "verify.toml").is_file()]
     if len(cases) != 1:
-        raise SystemExit(f"{folder}: expected a run, or the runs of one case with a verify.toml; found {len(cases)} such cases")
+        raise Stop(NO_FILE, f"{folder}: expected a run, or the runs of one case with a verify.toml; found {len(cases)} such cases")
     return cases[0]
 
 
@@ -87,7 +88,7 @@ class Figures:
         heading = [word.strip() for word in lines[0].split(",")]
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
         if not {"x_m", "y_m"} <= set(heading):
-            raise SystemExit(f"{path}: expected columns x_m and y_m, found {', '.join(heading)}")
+            raise Stop(WRONG_COMMAND, f"{path}: expected columns x_m and y_m, found {', '.join(heading)}")
         if "t_s" in heading:
             rows = rows[np.abs(rows[:, heading.index("t_s")] - time) <= 1e-3 * time]
         elif not last:
@@ -256,11 +257,11 @@ def draw_all(folder, out, form):
     case = case_of(folder)
     all_of_them = Figures(case, {run.name: run for run in runs_below(folder)})
     if not all_of_them.declared():
-        raise SystemExit(f"{folder}: {case / 'verify.toml'} declares no [[figure]]; name one of the runs: "
+        raise Stop(WRONG_COMMAND, f"{folder}: {case / 'verify.toml'} declares no [[figure]]; name one of the runs: "
                          f"{', '.join(run.name for run in runs_below(folder))}")
     drawn = False
     for path in all_of_them.draw_all(out, form):
         drawn = True
         print(path)
     if not drawn:
-        raise SystemExit(f"{folder}: none of the figures of {case / 'verify.toml'} could be drawn")
+        raise Stop(NO_FILE, f"{folder}: none of the figures of {case / 'verify.toml'} could be drawn")

@@ -16,6 +16,7 @@ import numpy as np
 import style
 from cells import SURFACE, Canvas, spacing
 from mpl_toolkits.axes_grid1 import make_axes_locatable
+from stop import NO_FILE, WRONG_COMMAND, Stop, exit_with
 from style import plt
 
 # The most informative fields of each phase, the best first.
@@ -75,7 +76,7 @@ def component_of(frames, name, step):
     stem, _, component = name.rpartition("_")
     if stem in fields and component in (TENSOR if frames.columns(stem) == 6 else ["x", "y", "z"] if frames.columns(stem) == 3 else []):
         return stem, component
-    raise SystemExit(f"no field '{name}'; there are: {', '.join(fields)}")
+    raise Stop(WRONG_COMMAND, f"no field '{name}'; there are: {', '.join(fields)}")
 
 
 def scalar(frames, name, step):
@@ -439,16 +440,16 @@ def asked(run, options):
 
 
 def nothing_to_draw(run, options):
-    """Explains why there is no picture of a field."""
+    """Why there is no picture of a field, as a Stop."""
     phases = [phase for phase in ("fluid", "solid") if (run / f"{phase}.vtkhdf").exists()]
     if not phases:
-        return f"{run}: neither fluid.vtkhdf nor solid.vtkhdf is there"
+        return Stop(NO_FILE, f"{run}: neither fluid.vtkhdf nor solid.vtkhdf is there")
     if options.phase and options.phase not in phases:
-        return f"{run}: {options.phase}.vtkhdf is not there; this run has: {', '.join(phases)}"
+        return Stop(WRONG_COMMAND, f"{run}: {options.phase}.vtkhdf is not there; this run has: {', '.join(phases)}")
     empty = [phase for phase in phases if Frames(run / f"{phase}.vtkhdf").n_steps == 0]
     if len(empty) == len(phases) or options.phase in empty:
-        return f"{run}: no frame has been written yet"
-    return f"no phase of {run} has a field '{options.field}'"
+        return Stop(NO_FILE, f"{run}: no frame has been written yet")
+    return Stop(WRONG_COMMAND, f"no phase of {run} has a field '{options.field}'")
 
 
 def draw_run(options, out):
@@ -456,7 +457,7 @@ def draw_run(options, out):
     run = options.run
     pictures = [] if options.gauge and not options.field else asked(run, options)
     if not pictures and (options.field or options.phase or options.time):
-        raise SystemExit(nothing_to_draw(run, options))
+        raise nothing_to_draw(run, options)
     for frames, phase, name in pictures:
         steps = sorted({frames.nearest(time) for time in options.time}) if options.time else [frames.n_steps - 1]
         suffix = "".join(f"_t{frames.times[step]:g}" for step in steps) if options.time else ""
@@ -468,7 +469,7 @@ def draw_run(options, out):
             groups.setdefault(name.partition("[")[0], []).append(name)
         for title in options.gauge or groups:
             if title not in groups and title not in series:
-                raise SystemExit(f"no gauge '{title}'; there are: {', '.join(series)}")
+                raise Stop(WRONG_COMMAND, f"no gauge '{title}'; there are: {', '.join(series)}")
             draw_gauges(run, groups.get(title, [title]), title, series, out / f"gauge_{title.replace('/', '_')}.{options.format}")
 
 
@@ -484,7 +485,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, help="folder of the pictures (default: RUN/pictures)")
     options = parser.parse_args()
     if not options.run.is_dir():
-        raise SystemExit(f"{options.run}: expected the folder of a run")
+        raise Stop(NO_FILE, f"{options.run}: expected the folder of a run")
     style.use()
     if options.animate:
         import animate
@@ -501,4 +502,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    exit_with(main)

@@ -23,6 +23,7 @@ import matplotlib.tri
 import numpy as np
 import plot
 import style
+from stop import NO_FILE, WRONG_COMMAND, Stop, exit_with
 from style import plt
 
 # Fields of the state at the end, for each phase.
@@ -54,7 +55,7 @@ class Run:
         try:
             self.about = tomllib.loads((folder / "run.toml").read_text())
         except (OSError, ValueError):
-            raise SystemExit(f"{folder}: expected the folder of a run that has ended: run.toml is missing or cannot be read")
+            raise Stop(NO_FILE, f"{folder}: expected the folder of a run that has ended: run.toml is missing or cannot be read")
         self.summaries = [json.loads(path.read_text()) for path in sorted(folder.glob("*.summary.json"))]
         self.missing = ""  # says why the case cannot be read
         self.case = self.read_case()
@@ -464,7 +465,7 @@ def make(folder):
 def print_pdf(text, target):
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if not browser:
-        raise SystemExit(f"{target}: a PDF needs the program chromium, of the package of that name; an HTML page does not")
+        raise Stop(NO_FILE, f"{target}: a PDF needs the program chromium, of the package of that name; an HTML page does not")
     with tempfile.TemporaryDirectory() as folder:
         source = pathlib.Path(folder) / "report.html"
         source.write_text(text)
@@ -481,7 +482,7 @@ def main():
     options = parser.parse_args()
     target = options.out or options.run / "report.html"
     if target.suffix not in (".html", ".pdf"):
-        raise SystemExit(f"{target}: expected a name that ends in .html or .pdf")
+        raise Stop(WRONG_COMMAND, f"{target}: expected a name that ends in .html or .pdf")
     style.use(**{"savefig.bbox": "standard"})
     text = make(options.run)
     if target.suffix == ".pdf":
@@ -493,4 +494,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    exit_with(main)

@@ -140,8 +140,8 @@ def drawn(*words, expect=0):
         try:
             plot.main()
         except SystemExit as end:
-            status = end.code if isinstance(end.code, int) else 1
-            err.write(str(end.code))
+            status = getattr(end, "exit_code", end.code)
+            err.write(str(end))
     if status != expect:
         raise AssertionError(f"{words}: {status}\n{out.getvalue()}{err.getvalue()}")
     return out.getvalue() if expect == 0 else err.getvalue()
@@ -271,7 +271,7 @@ class OfACase(Folder):
     def test_runs_without_figures_are_named(self):
         write_case(self.at)
         (self.at / "case/verify.toml").write_text('[[run]]\nname = "whole"\n')
-        self.assertIn("declares no [[figure]]; name one of the runs: whole", drawn(self.at / "runs", expect=1))
+        self.assertIn("declares no [[figure]]; name one of the runs: whole", drawn(self.at / "runs", expect=2))
 
 
 class Animations(Folder):
@@ -418,22 +418,22 @@ class Mistakes(Folder):
         with h5py.File(unbegun / "fluid.vtkhdf", "r+") as file:
             file["VTKHDF/Steps"].attrs["NSteps"] = 0
         for words, message, status in (
-                ([self.at / "nowhere"], "expected the folder of a run", 1),
+                ([self.at / "nowhere"], "expected the folder of a run", 5),
                 ([run, "--format", "jpg"], "invalid choice: 'jpg'", 2),
-                ([run, "--animate", self.at / "a.avi"], "expected a name that ends in .gif or .mp4", 1),
-                ([run, "--animate", self.at / "a.gif", "--time", "1"], "--time does not go with --animate", 1),
-                ([run, "--field", "colour"], "no phase of .* has a field 'colour'", 1),
-                ([run, "--phase", "solid", "--field", "effective_stress_ab"], "no field 'effective_stress_ab'; there are: effective_stress", 1),
-                ([water_only, "--phase", "solid"], "solid.vtkhdf is not there; this run has: fluid", 1),
-                ([water_only, "--phase", "solid", "--animate", self.at / "a.gif"], "this run has: fluid", 1),
-                ([self.at / "empty", "--animate", self.at / "a.gif"], "neither fluid.vtkhdf nor solid.vtkhdf", 1),
-                ([unbegun, "--time", "1"], "no frame has been written yet", 1),
-                ([unbegun, "--animate", self.at / "a.gif"], "no frame has been written yet", 1)):
+                ([run, "--animate", self.at / "a.avi"], "expected a name that ends in .gif or .mp4", 2),
+                ([run, "--animate", self.at / "a.gif", "--time", "1"], "--time does not go with --animate", 2),
+                ([run, "--field", "colour"], "no phase of .* has a field 'colour'", 2),
+                ([run, "--phase", "solid", "--field", "effective_stress_ab"], "no field 'effective_stress_ab'; there are: effective_stress", 2),
+                ([water_only, "--phase", "solid"], "solid.vtkhdf is not there; this run has: fluid", 2),
+                ([water_only, "--phase", "solid", "--animate", self.at / "a.gif"], "this run has: fluid", 2),
+                ([self.at / "empty", "--animate", self.at / "a.gif"], "neither fluid.vtkhdf nor solid.vtkhdf", 5),
+                ([unbegun, "--time", "1"], "no frame has been written yet", 5),
+                ([unbegun, "--animate", self.at / "a.gif"], "no frame has been written yet", 5)):
             with self.subTest(message):
                 self.assertRegex(drawn(*words, expect=status), message)
         # Without ffmpeg in the PATH the message names its package, before anything is drawn.
         with mock.patch.dict(os.environ, {"PATH": "/nowhere"}):
-            self.assertRegex(drawn(run, "--animate", self.at / "a.mp4", expect=1), "ffmpeg, of the package ffmpeg; or write a GIF")
+            self.assertRegex(drawn(run, "--animate", self.at / "a.mp4", expect=5), "ffmpeg, of the package ffmpeg; or write a GIF")
 
 
 if __name__ == "__main__":
