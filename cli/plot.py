@@ -464,6 +464,8 @@ def draw_run(options, out):
         draw_field(frames, phase, name, steps, out / f"{phase}_{name}{suffix}.{options.format}")
     if options.gauge or not options.field:
         series = read_gauges(run)
+        if not pictures and not series:
+            raise nothing_to_draw(run, options)
         groups = {}
         for name in series:
             groups.setdefault(name.partition("[")[0], []).append(name)

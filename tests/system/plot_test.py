@@ -419,6 +419,7 @@ class Mistakes(Folder):
             file["VTKHDF/Steps"].attrs["NSteps"] = 0
         for words, message, status in (
                 ([self.at / "nowhere"], "expected the folder of a run", 5),
+                ([self.at / "empty"], "neither fluid.vtkhdf nor solid.vtkhdf", 5),
                 ([run, "--format", "jpg"], "invalid choice: 'jpg'", 2),
                 ([run, "--animate", self.at / "a.avi"], "expected a name that ends in .gif or .mp4", 2),
                 ([run, "--animate", self.at / "a.gif", "--time", "1"], "--time does not go with --animate", 2),
