@@ -52,14 +52,15 @@ std::vector<Limit> limits(const Case& scene) {
     for (const auto& soil : scene.soils)
       result.push_back(
           {porous::seepage_at(scene, soil, soil.porosity).conductivity / (soil.porosity * standard_gravity),
-           "explicit drag" + named(soil) + ", k / (n g); lifted by any other fluid.scheme"});
+           "explicit drag" + named(soil) + ", k / (n g); no limit with another fluid.scheme"});
   if (!scene.deformable()) return result;
   for (const auto& soil : scene.soils) {
     const std::string where = named(soil);
     const double density = (1.0 - soil.porosity) * soil.grain_density;
-    result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(scene, soil) / density),
-                      "elastic wave across one particle" + where +
-                          ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
+    result.push_back(
+        {scene.solid.particle_spacing / std::sqrt(constrained_modulus(scene, soil) / density),
+         "elastic wave across one particle" + where +
+             ", dx / sqrt(M / rho_bar_s); in longer windows the solid takes shorter steps or finds an equilibrium"});
     if (!scene.coupled() || !scene.fluid.drag) continue;
     // Stability limit of the exchange with a fluid that does not predict the skeleton's response
     // (docs/theory/coupling.md, "Other schemes").

@@ -463,7 +463,7 @@ class Judge {
   }
   [[nodiscard]] double crossing() const {
     if (const auto time = first_passage(within_range(readings()), limit())) return *time;
-    throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
+    throw Failure{fmt::format("gauge '{}' never reaches {}", m_.gauge, limit())};
   }
   /// Mean period, from the first upward crossing of `limit` to the last. A swing counts only if it reaches below the
   /// limit by a fifth of the largest distance from it in this swing and the swing before: small fluctuations about the
@@ -483,7 +483,7 @@ class Judge {
       most_before = std::exchange(most, 0.0);
       deepest = 0.0;
     }
-    if (times.size() < 2) throw Failure{fmt::format("gauge '{}' does not swing about {} twice", m_.gauge, limit())};
+    if (times.size() < 2) throw Failure{fmt::format("gauge '{}' has no two whole swings around {}", m_.gauge, limit())};
     return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   }
   [[nodiscard]] double counter() const {
@@ -502,7 +502,7 @@ class Judge {
   /// Time at which the readings first cross `align`.
   [[nodiscard]] double start_of(const GaugeSeries& series) const {
     if (const auto time = first_passage(series, *m_.align)) return *time;
-    throw Failure{fmt::format("gauge '{}' or its curve never passes {}", m_.gauge, *m_.align)};
+    throw Failure{fmt::format("gauge '{}' or its curve never reaches {}", m_.gauge, *m_.align)};
   }
   /// Time by which the readings lag behind the curve [s].
   [[nodiscard]] double shift() const { return m_.align ? start_of(readings()) - start_of(curve_as_readings()) : 0.0; }

@@ -253,7 +253,7 @@ class Watch {
   void interrupt() {
     if (result_.interrupted) {  // a second Ctrl-C, unless the first one was delivered twice
       if (Clock::now() - interrupted_at_ < patience_.grace) return;
-      std::fputs("\nending at once\n", stderr);
+      std::fputs("\nstopping all processes now\n", stderr);
       next_at_ = Clock::now();
       return;
     }

@@ -400,7 +400,7 @@ def write_balance(page, run):
     """Writes the balances of water and grains at the end, from the gauges."""
     rows = []
     for name in run.of_kind("balance"):
-        for part, meaning in [("in", "came in"), ("out", "left"), ("stored", "stored at the end"), ("error", "in - out - gain")]:
+        for part, meaning in [("in", "came in"), ("out", "left"), ("stored", "stored at the end"), ("error", "missing: in - out - increase of what is stored")]:
             if f"{name}_{part}" in run.gauges:
                 found = run.gauges[f"{name}_{part}"]
                 rows.append([f"{name}: {meaning}", float(found["v"][-1]), style.UNITS.get(found["unit"], found["unit"])])
@@ -430,7 +430,7 @@ def write_warnings(page, run):
 def write_origin(page, run):
     about = run.about
     page.heading("Where it comes from")
-    rows = [("case file", about.get("case_file", "")), ("set beside it", ", ".join(about.get("overrides", [])) or "nothing"),
+    rows = [("case file", about.get("case_file", "")), ("keys changed on the command line", ", ".join(about.get("overrides", [])) or "nothing"),
             ("hash of the case file (FNV-1a)", about.get("identity", {}).get("case file", "")), ("run", str(run.folder)),
             ("program", f"poretwin {about.get('version', '')}, {about.get('build', '')}"), ("machine", about.get("host", "")),
             ("started, ended", f"{about.get('started', '')}, {about.get('ended', '')}"), ("restarts after crashes", str(about.get("restarts", 0)))]

@@ -267,7 +267,7 @@ TEST(Metrics, CrossingPeriodAndCounter) {
   m.limit = 0.5;
   EXPECT_NEAR(judge(m, ramp, 0).value, 0.25, 1e-9);
   m.limit = 5.0;
-  EXPECT_EQ(judge(m, ramp, 0).complaint, "gauge 'g' never passes 5");
+  EXPECT_EQ(judge(m, ramp, 0).complaint, "gauge 'g' never reaches 5");
   Gauges lost = ramp;  // NaN is allowed after the crossing, not before it
   lost["g"].value.back() = NAN;
   m.limit = 0.5;

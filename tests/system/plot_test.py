@@ -371,7 +371,7 @@ class Report(Folder):
         self.assertIn("<h1>A &lt;bold&gt; slope</h1>", page)
         self.assertIn("computed in 7200 s", page)
         self.assertIn("<td>sand &amp; gravel</td>", page)
-        self.assertIn('<td class="number">3</td>', page, "kPa, as set beside the case file")
+        self.assertIn('<td class="number">3</td>', page, "kPa, as given on the command line")
         self.assertRegex(page, '<td>F</td><td class="number">1.25</td><td class="number">0.02</td><td>1 days</td><td class="number">1.375</td>')
         self.assertIn("its result is in doubt", page)
         self.assertRegex(page, "the soil&#x27;s rest was not found</td><td[^>]*>1</td><td>the result may be wrong")
