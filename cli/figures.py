@@ -258,7 +258,7 @@ def draw_all(folder, out, form):
     all_of_them = Figures(case, {run.name: run for run in runs_below(folder)})
     if not all_of_them.declared():
         raise Stop(WRONG_COMMAND, f"{folder}: {case / 'verify.toml'} declares no [[figure]]; name one of the runs: "
-                         f"{', '.join(run.name for run in runs_below(folder))}")
+                   f"{', '.join(run.name for run in runs_below(folder))}")
     drawn = False
     for path in all_of_them.draw_all(out, form):
         drawn = True

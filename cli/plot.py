@@ -7,7 +7,6 @@ import argparse
 import csv
 import pathlib
 import re
-import sys
 import tomllib
 
 import h5py
