@@ -9,6 +9,7 @@
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
 #include "common/case/identity.hpp"
+#include "common/case/programs.hpp"
 #include "common/checkpoint/store.hpp"
 #include "common/core/error.hpp"
 #include "common/coupling/trace.hpp"
@@ -95,10 +96,7 @@ class PrivateFolder {
 
 /// The program for a role in the run.
 fs::path program_file(const RunOptions& options, const Case& scene, const std::string& role) {
-  const bool water = role == "fluid";
-  return options.programs / ("poretwin-" + (water && scene.is_field()  ? "pore"
-                                            : water && scene.is_both() ? "joint"
-                                                                       : role));
+  return options.programs / ("poretwin-" + (role == "fluid" ? water_program(scene.fluid.representation) : role));
 }
 
 /// The user's own command in place of the built-in solver, with the solver's arguments appended; the shell splits the

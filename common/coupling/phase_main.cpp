@@ -2,6 +2,7 @@
 
 #include "common/case/identity.hpp"
 #include "common/case/pace.hpp"
+#include "common/case/programs.hpp"
 #include "common/coupling/drive.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
@@ -48,18 +49,6 @@ void expect_own(const Case& scene, Role role) {
          fmt::format("start poretwin-{}", scene.deformable() ? "solid" : "fluid"));
 }
 
-/// The program that computes water so represented: poretwin-...
-const char* program_of(FluidCase::Representation representation) {
-  switch (representation) {
-    case FluidCase::Representation::field:
-      return "pore";
-    case FluidCase::Representation::both:
-      return "joint";
-    default:
-      return "fluid";
-  }
-}
-
 /// Throws CaseError where the water of this case belongs to another program (particles, a field or both).
 void expect_representation(const Case& scene, Role role, FluidCase::Representation representation) {
   if (role != Role::fluid || scene.fluid.representation == representation) return;
@@ -67,7 +56,7 @@ void expect_representation(const Case& scene, Role role, FluidCase::Representati
                               scene.is_field()  ? "field"
                               : scene.is_both() ? "both"
                                                 : "particles",
-                              program_of(scene.fluid.representation)));
+                              water_program(scene.fluid.representation)));
 }
 
 void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
@@ -146,7 +135,7 @@ int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<P
                FluidCase::Representation representation) {
   Run run;
   const std::string name(to_string(role));
-  return process_main(argc, argv, "poretwin-" + (role == Role::fluid ? program_of(representation) : name), name,
+  return process_main(argc, argv, "poretwin-" + (role == Role::fluid ? water_program(representation) : name), name,
                       role == Role::solid ? Program::solid : Program::phase,
                       {[&](const Arguments& arguments) {
                          execute(arguments, role, make, representation, run);

@@ -13,10 +13,10 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// The particles before each part of the bed, with weights V W.
+/// The particles before each part of the bed, with weights V W, and the sum of each part's weights.
 struct Reach {
   std::vector<Index> offset{0}, particle;
-  ScalarArray weight;
+  ScalarArray weight, sum;
 };
 
 template <int D>
@@ -27,33 +27,29 @@ Reach particles_before(const Setup<D>& setup, const State<D>& state) {
   sph::CellGrid<D> grid;
   grid.build(p.position, radius);
   for (const auto& part : state.bed) {
+    double sum = 0.0;
     grid.for_each_within(part.centre, radius, [&](Index a, double r2) {
       if (part.normal.dot(p.position[a] - part.centre) <= 0.0) return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       if (w == 0.0) return;
       reach.particle.push_back(a);
       reach.weight.push_back(w);
+      sum += w;
     });
+    reach.sum.push_back(sum);
     reach.offset.push_back(static_cast<Index>(reach.particle.size()));
   }
   return reach;
 }
 
-/// Piezometric pressure before part i [Pa] and the sum of its weights.
-template <int D>
-std::pair<double, double> pressure_before(const Reach& reach, std::size_t i, const Particles<D>& p) {
-  double sum = 0.0, weights = 0.0;
-  for (Index k = reach.offset[i]; k < reach.offset[i + 1]; ++k) {
-    sum += reach.weight[k] * p.pressure[reach.particle[k]];
-    weights += reach.weight[k];
-  }
-  return {weights > 0.0 ? sum / weights : 0.0, weights};
-}
-
+/// Mean pressure head before part i [m], from the piezometric pressures; zero where the part is dry.
 template <int D>
 double head_before(const Setup<D>& setup, const Reach& reach, std::size_t i, const State<D>& state) {
-  const auto [pressure, weights] = pressure_before(reach, i, state.particles);
-  if (weights == 0.0) return 0.0;
+  if (reach.sum[i] == 0.0) return 0.0;
+  double sum = 0.0;
+  for (Index k = reach.offset[i]; k < reach.offset[i + 1]; ++k)
+    sum += reach.weight[k] * state.particles.pressure[reach.particle[k]];
+  const double pressure = sum / reach.sum[i];
   return std::max(0.0, pressure + setup.weight.dot(state.bed[i].centre - setup.origin)) / setup.weight.norm();
 }
 
@@ -111,10 +107,9 @@ BedPassage pass_bed(const Setup<D>& setup, double interval, State<D>& state) {
   ScalarArray wanted(state.bed.size(), 0.0);
   const auto for_each = [&](const auto& act) {
     for (std::size_t i = 0; i < state.bed.size(); ++i) {
-      const double all = wanted[i] == 0.0 ? 0.0 : pressure_before(reach, i, p).second;
-      if (all == 0.0) continue;
+      if (wanted[i] == 0.0) continue;
       for (Index k = reach.offset[i]; k < reach.offset[i + 1]; ++k)
-        act(i, reach.particle[k], wanted[i] * reach.weight[k] / all);
+        act(i, reach.particle[k], wanted[i] * reach.weight[k] / reach.sum[i]);
     }
   };
   for (std::size_t i = 0; i < state.bed.size(); ++i) {
