@@ -1,5 +1,6 @@
 #include "solid_solver/material/drucker_prager.hpp"
 
+#include "solid_solver/material/local_factor.hpp"
 #include "solid_solver/numerics/material.hpp"
 
 #include <algorithm>
@@ -16,11 +17,18 @@ DruckerPragerSoil::DruckerPragerSoil(const Soil& soil)
       spent_(fit_cone(1.0, soil.friction_angle, 0.0, soil.cone)) {}
 
 Cone DruckerPragerSoil::cone(const Condition& condition) const {
-  const bool dilates = !soil_.maximum_void_ratio || condition.void_ratio < *soil_.maximum_void_ratio;
-  Cone cone = dilates ? dilating_ : spent_;
+  Cone cone = can_dilate(condition) ? dilating_ : spent_;
   cone.k *= cohesion_at(soil_, condition.saturation);
   if (soil_.tensile_strength) cone.tensile_strength = *soil_.tensile_strength;
   return cone;
+}
+
+double DruckerPragerSoil::local_factor(const Tensor& stress, const Condition& condition,
+                                       std::span<const double> /*state*/) const {
+  constexpr double degree = std::numbers::pi / 180.0;
+  return local_factor_of_cone(soil_.cone, cohesion_at(soil_, condition.saturation), degree * soil_.friction_angle,
+                              can_dilate(condition) ? degree * soil_.dilation_angle : 0.0,
+                              soil_.tensile_strength.value_or(0.0), stress);
 }
 
 namespace {

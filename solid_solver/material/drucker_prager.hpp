@@ -21,9 +21,14 @@ class DruckerPragerSoil : public ConstitutiveModel {
   explicit DruckerPragerSoil(const Soil& soil);
   /// The cohesion decreases with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
   [[nodiscard]] Cone cone(const Condition& condition) const;
+  [[nodiscard]] bool can_dilate(const Condition& condition) const {
+    return !soil_.maximum_void_ratio || condition.void_ratio < *soil_.maximum_void_ratio;
+  }
   [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> /*state*/) const override {
     return elasticity_.at(-trace(stress) / 3.0);
   }
+  [[nodiscard]] double local_factor(const Tensor& stress, const Condition& condition,
+                                    std::span<const double> /*state*/) const override;
 
  protected:
   PressureElasticity elasticity_;

@@ -156,6 +156,13 @@ class ConstitutiveModel {
   /// The largest moduli in any state that the soil may reach up to this mean effective pressure [Pa]. The length of
   /// substeps is chosen for waves of this stiffness.
   [[nodiscard]] virtual Elasticity stiffest(double pressure) const { return moduli_under(pressure); }
+  /// Local factor of safety: the number by which the soil's present strength can be divided, as weakened() divides it,
+  /// until this effective stress [Pa] lies on the yield surface. Infinite without shear stress. NaN where the model has
+  /// no such strength, and in soil that has neither stress nor cohesion.
+  [[nodiscard]] virtual double local_factor(const Tensor& /*stress*/, const Condition& /*condition*/,
+                                            std::span<const double> /*state*/) const {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 using MaterialFactory = std::unique_ptr<ConstitutiveModel> (*)(const Soil&);

@@ -1,5 +1,6 @@
 #include "solid_solver/material/modified_cam_clay.hpp"
 
+#include "solid_solver/material/local_factor.hpp"
 #include "solid_solver/numerics/material.hpp"
 
 #include <fmt/format.h>
@@ -208,6 +209,11 @@ void ModifiedCamClay::initial(const Tensor& stress, std::span<double> state) con
 Elasticity ModifiedCamClay::moduli(const Tensor& stress, std::span<const double> state) const {
   const double bulk = state[1] * std::max(-trace(stress) / 3.0, least_) / kappa_;
   return {bulk, shear_ratio_ * bulk};
+}
+
+double ModifiedCamClay::local_factor(const Tensor& stress, const Condition& /*condition*/,
+                                     std::span<const double> /*state*/) const {
+  return factor_to_yield({}, 0.0, slope_, std::sqrt(3.0) * root_j2(stress), -trace(stress) / 3.0);
 }
 
 double ModifiedCamClay::advance(Tensor& stress, const Tensor& strain, const Condition& condition,

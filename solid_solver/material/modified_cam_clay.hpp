@@ -23,6 +23,10 @@ class ModifiedCamClay final : public ConstitutiveModel {
                  std::span<double> state) const override;
   void advance(std::span<Four> many) const override;
   [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> state) const override;
+  /// By the strength at the critical state, q = M p, which is what `poretwin safety` divides; below 1 where heavily
+  /// overconsolidated clay carries more than that.
+  [[nodiscard]] double local_factor(const Tensor& stress, const Condition& condition,
+                                    std::span<const double> state) const override;
 
   static Material row();  ///< row of the table of materials
 

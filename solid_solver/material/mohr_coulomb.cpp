@@ -1,5 +1,8 @@
 #include "solid_solver/material/mohr_coulomb.hpp"
 
+#include "solid_solver/material/local_factor.hpp"
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -310,6 +313,16 @@ double MohrCoulomb::advance(Tensor& stress, const Tensor& strain, const Conditio
   double plastic = 0.0;
   follow<InOnes>(condition.saturation, condition.void_ratio, strain.data(), stress.data(), state.data(), plastic);
   return plastic;
+}
+
+double MohrCoulomb::local_factor(const Tensor& stress, const Condition& condition,
+                                 std::span<const double> state) const {
+  const double share = softens_ ? std::min(1.0, state[0] / residual_strain_) : 0.0;
+  const double cohesion = cohesion_at(soil_, condition.saturation) * (1.0 + share * cohesion_.by);
+  const auto [largest, smallest] = extreme_stresses(stress);
+  const double factor = factor_to_yield(coulomb, cohesion, std::tan(friction_.from + share * friction_.by),
+                                        0.5 * (largest - smallest), -0.5 * (largest + smallest));
+  return limit_by_tension(factor, soil_.tensile_strength.value_or(0.0), largest);
 }
 
 void MohrCoulomb::advance(std::span<Four> many) const {

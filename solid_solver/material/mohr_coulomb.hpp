@@ -25,6 +25,8 @@ class MohrCoulomb final : public ConstitutiveModel {
   [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> /*state*/) const override {
     return elasticity_.at(-trace(stress) / 3.0);
   }
+  [[nodiscard]] double local_factor(const Tensor& stress, const Condition& condition,
+                                    std::span<const double> state) const override;
 
  private:
   /// A value that falls linearly from `from` to `from + by`.

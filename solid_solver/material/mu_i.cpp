@@ -1,5 +1,6 @@
 #include "solid_solver/material/mu_i.hpp"
 
+#include "solid_solver/material/local_factor.hpp"
 #include "solid_solver/numerics/material.hpp"
 
 #include <fmt/format.h>
@@ -164,6 +165,11 @@ MuI::MuI(const Soil& soil)
       dilatancy_(soil.own("dilatancy")),
       critical_(soil.own("critical_solid_fraction")),
       loosening_(soil.own("inertial_loosening")) {}
+
+double MuI::local_factor(const Tensor& stress, const Condition& condition, std::span<const double> /*state*/) const {
+  const double p = -trace(stress) / 3.0, tan_psi = dilatancy_ * (1.0 / (1.0 + condition.void_ratio) - critical_);
+  return factor_to_yield({}, 0.0, static_friction_, root_j2(stress) - tan_psi * p, p);
+}
 
 double MuI::advance(Tensor& stress, const Tensor& strain, const Condition& condition, std::span<double> state) const {
   Moduli<InOnes> moduli;

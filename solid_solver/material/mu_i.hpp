@@ -28,6 +28,9 @@ class MuI final : public ConstitutiveModel {
   [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> /*state*/) const override {
     return elasticity_.at(-trace(stress) / 3.0);
   }
+  /// By the friction mu_s of very slow shear; what the packing adds to it, K_psi (phi - phi_c), is not divided.
+  [[nodiscard]] double local_factor(const Tensor& stress, const Condition& condition,
+                                    std::span<const double> state) const override;
 
   static Material row();  ///< row of the table of materials
 

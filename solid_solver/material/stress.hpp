@@ -6,6 +6,7 @@
 #include "common/core/vector.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace poretwin::solid {
 
@@ -38,6 +39,9 @@ inline double root_j2(const Tensor& t) {
   root_j2(t.data(), root);
   return root;
 }
+
+/// The largest and the smallest principal stress [Pa].
+std::pair<double, double> extreme_stresses(const Tensor& t);
 
 /// The in-plane block as a matrix.
 template <int D>

@@ -20,4 +20,9 @@ inline constexpr double step = 0.25;
 /// Unit: spacings. Test: SlipSurface.IsAsStrongAsItsWeakestLink (untried).
 inline constexpr double link = 1.5;
 
+/// Largest local factor of safety written to frames. Without shear stress the factor is infinite, which many programs
+/// that read frames cannot show.
+/// Unit: 1. Test: LocalFactor.IsWrittenToFramesAtEveryDepthOfALayer.
+inline constexpr double largest_local_factor = 100.0;
+
 }  // namespace poretwin::solid::readings

@@ -3,8 +3,6 @@
 
 #include "solid_solver/material/model.hpp"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,9 +12,8 @@ namespace poretwin::solid {
 /// Mobilised friction angle [degrees], sin phi_m = (s1 - s3) / (s1 + s3) with the largest and smallest principal
 /// compression s1 and s3; independent of the strength. 90 where a principal stress is tensile, 0 without stress.
 inline double mobilised_friction(const Tensor& stress) {
-  Eigen::SelfAdjointEigenSolver<Mat<3>> solver;
-  solver.computeDirect(matrix_of<3>(stress), Eigen::EigenvaluesOnly);
-  const double most = -solver.eigenvalues()[0], least = -solver.eigenvalues()[2];
+  const auto [largest, smallest] = extreme_stresses(stress);
+  const double most = -smallest, least = -largest;
   if (most == least) return 0.0;
   const double sine = least > 0.0 ? (most - least) / (most + least) : 1.0;
   return std::asin(std::clamp(sine, 0.0, 1.0)) * 180.0 / std::numbers::pi;

@@ -1,5 +1,6 @@
 #include "solid_solver/output/report.hpp"
 
+#include "solid_solver/numerics/readings.hpp"
 #include "solid_solver/numerics/walls.hpp"
 #include "solid_solver/output/readout.hpp"
 #include "solid_solver/statics/safety.hpp"
@@ -43,6 +44,15 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
       tell_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
   add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1},
       tell_scalars([&p](std::size_t i) { return mobilised_friction(p.stress[i]); }));
+  if (std::ranges::any_of(setup.soils, [](const Soil& soil) { return material(*soil.model).has_strength(); }))
+    add({"local_factor_of_safety", "1",
+         "number by which the strength can be divided until the stress reaches it; NaN: the soil has no such strength",
+         1},
+        tell_scalars([&p, &state, &setup](std::size_t i) {
+          const Condition condition = at_once(setup, p, i, state.external.saturation[i]);
+          const double factor = setup.models[p.material[i]]->local_factor(p.stress[i], condition, p.state_of(i));
+          return std::min(factor, readings::largest_local_factor);  // NaN stays NaN
+        }));
   add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1},
       tell_scalars([&p, &state, up](std::size_t i) {
         return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));

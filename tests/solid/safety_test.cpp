@@ -1,6 +1,7 @@
 // Factor of safety of soil, during a run and from its frames.
 #include "common/core/error.hpp"
 #include "common/output/run_recorder.hpp"
+#include "solid_solver/numerics/readings.hpp"
 #include "solid_solver/numerics/statics.hpp"
 #include "solid_solver/output/failing_mass.hpp"
 #include "solid_solver/output/stored_state.hpp"
@@ -15,6 +16,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -53,6 +55,15 @@ std::map<std::string, double> readings(const Phase& solid) {
   return values;
 }
 
+/// Field `name` of a frame, one number per particle.
+std::vector<double> field_of(const OutputFrame& frame, const std::string& name) {
+  const auto found = std::ranges::find(frame.fields, name, &OutputField::name);
+  if (found == frame.fields.end()) throw std::out_of_range("the frame has no field " + name);
+  std::vector<double> values(frame.count);
+  for (std::size_t i = 0; i < frame.count; ++i) found->tell(i, &values[i]);
+  return values;
+}
+
 /// Factor of an infinite slope (Skempton & Delory 1957) that slips in the lowest row; arguments: its density, and the
 /// part of it that gives effective stress on the slip plane [kg/m3].
 double infinite_slope(double density, double pressing) {
@@ -70,14 +81,11 @@ TEST(FactorOfSafety, OfALayerOnASlope) {
   EXPECT_LT(found.at("F_error"), 0.006 * found.at("F"));
   // The failing strain grows towards the base.
   const OutputFrame frame = dry.frame();
-  const auto field = std::ranges::find_if(frame.fields, [](const auto& f) { return f.name == "failing_strain"; });
-  ASSERT_NE(field, frame.fields.end());
+  const auto strain = field_of(frame, "failing_strain");
   double below = 0.0, above = 0.0;
   for (std::size_t i = 0; i < frame.count; ++i) {
-    double strain = 0.0;
-    field->tell(i, &strain);
     double& largest = dry.state().particles.position[i].y() < 0.5 ? below : above;
-    largest = std::max(largest, strain);
+    largest = std::max(largest, strain[i]);
   }
   EXPECT_GT(below, 3.0 * above);
 
@@ -89,6 +97,48 @@ TEST(FactorOfSafety, OfALayerOnASlope) {
   const double below_one = infinite_slope(1960.0, 960.0), read = readings(wet).at("F");
   std::printf("wet %.3f of %.3f\n", read, below_one);
   EXPECT_NEAR(read, below_one, 0.02 * below_one);
+}
+
+// An elastic layer without cohesion, on a slope of 20 degrees. With Poisson's ratio nu the normal stress along the
+// slope is K = nu / (1 - nu) times the one across it, and with nu near 1/2 the factor is nearly tan(phi) / tan(beta).
+TEST(LocalFactor, IsWrittenToFramesAtEveryDepthOfALayer) {
+  Case scene = layer();
+  scene.gauges.clear();
+  scene.soils[0].cohesion = 0.0;
+  scene.soils[0].poissons_ratio = 0.49;
+  Solid<2> solid(scene);
+  solid.initialise({});
+  const double k = 0.49 / 0.51, out = 0.49 * (1.0 + k), p = (1.0 + k + out) / 3.0, slope = along / across;
+  const double j2 = 0.5 * ((1.0 - p) * (1.0 - p) + (k - p) * (k - p) + (out - p) * (out - p)) + slope * slope;
+  const double exact = p * std::tan(M_PI / 6.0) / std::sqrt(j2);
+  EXPECT_NEAR(exact, std::tan(M_PI / 6.0) / slope, 0.03 * exact);
+  const auto found = field_of(solid.frame(), "local_factor_of_safety");
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double y = solid.state().particles.position[i].y();
+    EXPECT_NEAR(found[i], exact, y > 0.9 ? 0.05 * exact : 0.02 * exact) << "at y = " << y;
+  }
+}
+
+// Soil that cannot yield has no factor, beside soil that has one; without shear stress the factor is the largest one.
+TEST(LocalFactor, IsMissingInElasticSoilAndLimitedWithoutShear) {
+  test::ColumnSpec spec;
+  spec.gravity = 0.0;
+  Case scene = test::column(spec);
+  scene.solid.initial_rest = false;
+  scene.soils.push_back(scene.soils[0]);
+  scene.soils[0].shape.max.y() = 0.5;
+  scene.soils[1].shape.min.y() = 0.5;
+  scene.soils[1].model = MaterialName::mohr_coulomb;
+  scene.soils[1].cohesion = 1000.0;
+  Solid<2> solid(scene);
+  solid.initialise({});
+  const auto found = field_of(solid.frame(), "local_factor_of_safety");
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (solid.state().particles.position[i].y() < 0.5)
+      EXPECT_TRUE(std::isnan(found[i]));
+    else
+      EXPECT_EQ(found[i], readings::largest_local_factor);
+  }
 }
 
 // The water comes later: the reading follows, and reading it does not change the soil.
