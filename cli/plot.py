@@ -26,6 +26,9 @@ MAIN_FIELDS = {
 AT_REST = 1e-6  # s: times above zero and below this one are not shown (Shown.title)
 LEAST_STRAIN = 1e-3  # smallest plastic strain on the colour bar, whose scale is logarithmic
 STRAINS = ("accumulated_plastic_strain", "failing_strain")
+FACTOR = "local_factor_of_safety"
+FACTORS = (1.0, 3.0)  # range of its colours; larger factors are of no interest
+YIELDS = 1.01  # soil with a local factor up to this one counts as yielding: rounding scatters the factor about 1
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 
 
@@ -204,12 +207,16 @@ class Shown:
         self.factor, unit = style.prefix(largest, unit)
         # A diverging map is used only where both signs matter, not for a little noise around zero.
         signed = min(-low, high) > 0.05 * largest
-        self.least = None
+        self.least, self.shows_yield = None, field == FACTOR
         if field in STRAINS and largest > LEAST_STRAIN:  # so that slip bands show beside grains that have rolled away
             self.least = min(LEAST_STRAIN, largest / 30.0)
             self.norm = matplotlib.colors.LogNorm(self.least, largest)
         elif field == "degree_of_saturation":
             self.norm = matplotlib.colors.Normalize(0.0, 1.0)
+        elif field == FACTOR:
+            self.norm = matplotlib.colors.Normalize(*FACTORS)
+            below, above = low < FACTORS[0] - (YIELDS - 1.0), high > FACTORS[1]
+            self.extend = "both" if below and above else "min" if below else "max" if above else "neither"
         else:
             if high - low <= 1e-9 * largest:  # constant field: a bar from zero
                 low, high = min(low, 0.0), max(high, 0.0)
@@ -239,6 +246,8 @@ class Shown:
             axes.imshow(shade, **place)
         filled, own = canvas.fill(body.x, body.values / self.factor, body.size)
         drawn = axes.imshow(filled if self.least is None else np.maximum(filled, self.least), cmap=self.map, norm=self.norm, **place)
+        if self.shows_yield and (yields := canvas.smooth(filled <= YIELDS, body.size)).max() > 0.5:
+            axes.contour(yields, levels=[0.5], colors="white", linewidths=1.1, extent=canvas.extent)
         if own.max() > SURFACE:
             axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # shows the edge of pale colours
         if outline is not None and self.phase == "solid" and outline.max() > SURFACE:
@@ -250,6 +259,8 @@ class Shown:
     def title(self, step, body, wet):
         beyond = np.count_nonzero(((body.x < self.lower) | (body.x > self.upper)).any(axis=1))
         about = "; blue: outline of the water" if wet and self.phase == "solid" else ""
+        if self.shows_yield:
+            about += "; white line: around soil that yields"
         if beyond:
             about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
         time = self.frames.times[step]
@@ -262,7 +273,7 @@ class Shown:
 
     def bar(self, axes, drawn):
         """The colour bar, as high as the picture beside it."""
-        found = axes.figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08))
+        found = axes.figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08), extend=self.extend)
         found.set_label(self.label)
         return found
 
@@ -310,7 +321,7 @@ def draw_field(frames, phase, name, steps, target):
     if count == 1:
         shown.bar(panels[0, 0], drawn)
     else:
-        figure.colorbar(drawn, ax=panels, label=shown.label, aspect=30, pad=0.02)
+        figure.colorbar(drawn, ax=panels, label=shown.label, aspect=30, pad=0.02, extend=shown.extend)
     style.save(figure, target)
     print(target)
 

@@ -26,7 +26,7 @@ from stop import NO_FILE, WRONG_COMMAND, Stop, exit_with
 from style import plt
 
 # Fields of the state at the end, for each phase.
-FIELDS = {"fluid": ["pore_pressure", "degree_of_saturation"], "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"]}
+FIELDS = {"fluid": ["pore_pressure", "degree_of_saturation"], "solid": ["effective_stress", "accumulated_plastic_strain", plot.FACTOR, "displacement"]}
 SOILS = ["#e2d6c2", "#cbbfa9", "#d9cfe0", "#c9d8c5", "#e8cfc4", "#d5d5d5", "#efe3b8", "#c3cfd6"]
 # Properties of a soil: key, heading, unit, factor.
 PROPERTIES = [("porosity", "n", "", 1), ("hydraulic_conductivity", "k", "m/s", 1), ("youngs_modulus", "E", "MPa", 1e-6), ("poissons_ratio", "ν", "", 1),
@@ -293,7 +293,8 @@ def draw_field(page, run, phase, name, step, required=False, frames=None):
     frames = frames or run.frames[phase]
     shown = plot.Shown(frames, phase, name, [step])
     values = plot.scalar(frames, name, step)
-    if not shown.steps or not (required or np.ptp(values[np.isfinite(values)]) > 0.0):
+    values = values[np.isfinite(values)]
+    if not shown.steps or not (required or len(values) > 0 and np.ptp(values) > 0.0):
         return
     shape = shown.shape()
     width = min(plot.panel_width(shape), max(1.5, 3.5 * shape[0] / shape[1]))
@@ -303,7 +304,7 @@ def draw_field(page, run, phase, name, step, required=False, frames=None):
     shown.bar(axes, drawn)
     if not plot.is_3d(frames, step):
         outline_soils(axes, run)
-    caption = shown.label
+    caption = shown.label + (", of the stress at each point, not of a slip surface" if name == plot.FACTOR else "")
     if phase == "fluid" and "pressure_head" in frames.fields():  # water as a field: its water table is where the pressure is zero
         if draw_water_table(axes, plot.Body(frames, step, frames.values("pressure_head", step))):
             caption += "; dashed: water table"

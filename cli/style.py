@@ -58,6 +58,7 @@ SOLID = {
     "total_stress": ("total stress", r"\sigma"),
     "accumulated_plastic_strain": ("plastic strain", r"\bar{\varepsilon}_p"),
     "failing_strain": ("plastic strain in failing", ""),
+    "local_factor_of_safety": ("local factor of safety", ""),
     "failing_displacement": ("displacement in failing", ""),
     "water_force": ("force of the water on the soil", ""),
     "wall_slip": ("slip along walls", ""),
@@ -68,9 +69,9 @@ SOLID = {
     "pore_pressure_ratio": ("pore pressure ratio", "r_u"),
 }
 UNITS = {"degrees": "°", "m/s2": "m/s²", "m2": "m²", "m3": "m³", "m2/s": "m²/s", "m3/s": "m³/s", "kg/m3": "kg/m³"}
-# Perceptually uniform colour maps. MAPS: for the fields named there, dark where the field is large; MAP: for every other field; SIGNED_MAP: for
+# Perceptually uniform colour maps. MAPS: for the fields named there, dark where soil yields or is wet; MAP: for every other field; SIGNED_MAP: for
 # fields with values of both signs, white at zero.
-MAPS = {"accumulated_plastic_strain": "magma_r", "failing_strain": "magma_r", "degree_of_saturation": "cividis_r"}
+MAPS = {"accumulated_plastic_strain": "magma_r", "failing_strain": "magma_r", "local_factor_of_safety": "magma", "degree_of_saturation": "cividis_r"}
 MAP, SIGNED_MAP = "viridis", "RdBu_r"
 
 

@@ -22,7 +22,7 @@ inline constexpr double link = 1.5;
 
 /// Largest local factor of safety written to frames. Without shear stress the factor is infinite, which many programs
 /// that read frames cannot show.
-/// Unit: 1. Test: LocalFactor.IsWrittenToFramesAtEveryDepthOfALayer.
+/// Unit: 1. Test: LocalFactor.IsMissingInElasticSoilAndLimitedWithoutShear.
 inline constexpr double largest_local_factor = 100.0;
 
 }  // namespace poretwin::solid::readings

@@ -209,6 +209,36 @@ class Figures(Folder):
         self.assertIn("fluid_pore_pressure_t0_t1_t2.png", printed)
         self.assertIn("no particles at t = 0 s", printed)
 
+    def test_the_local_factor_has_the_same_colours_in_every_run_and_a_line_around_soil_that_yields(self):
+        write_run(self.at / "run")
+        x = square()
+
+        def paint(values):
+            (self.at / "run" / "solid.vtkhdf").unlink()  # the last one is still open
+            write_phase(self.at / "run" / "solid.vtkhdf", [(0.0, x)], [("local_factor_of_safety", "1", lambda t, x: values)])
+            shown = plot.Shown(plot.Frames(self.at / "run" / "solid.vtkhdf"), "solid", "local_factor_of_safety", [0])
+            figure, axes = plot.plt.subplots()
+            self.addCleanup(plot.plt.close, figure)
+            shown.paint(axes, 0)
+            lines = [line for line in axes.collections if np.array_equal(line.get_edgecolor()[:, :3], [[1.0, 1.0, 1.0]])]
+            return shown, lines, figure
+
+        # Soil that yields within rounding below y = 0.1, much stronger soil above, and to the right soil without a factor.
+        scatter = 1.0 + 1e-12 * np.random.default_rng(0).normal(size=len(x))
+        shown, lines, figure = paint(np.where(x[:, 0] > 0.3, np.nan, np.where(x[:, 1] < 0.1, scatter, 100.0)))
+        self.assertEqual((shown.norm.vmin, shown.norm.vmax, shown.extend), (1.0, 3.0, "max"))
+        self.assertEqual(len(lines), 1)
+        ends = np.concatenate([part.vertices for part in lines[0].get_paths()])
+        self.assertAlmostEqual(ends[:, 1].max(), 0.1, delta=0.6 * DX)
+        self.assertAlmostEqual(ends[:, 0].max(), 0.3, delta=0.6 * DX)
+        self.assertIn("white line: around soil that yields", figure.axes[0].get_title())
+        for values, extend in ((np.full(len(x), 1.5), "neither"), (np.linspace(0.0, 4.0, len(x)), "both"), (np.full(len(x), np.nan), "neither")):
+            shown, lines, _ = paint(values)
+            self.assertEqual((shown.norm.vmin, shown.norm.vmax, shown.extend), (1.0, 3.0, extend))
+            self.assertEqual(len(lines), 1 if extend == "both" else 0)
+        drawn(self.at / "run", "--field", "local_factor_of_safety")
+        self.assertTrue((self.at / "run/pictures/solid_local_factor_of_safety.png").exists())
+
     def test_labels_are_symbols_with_short_units(self):
         write_run(self.at / "run")
         shown = plot.Shown(plot.Frames(self.at / "run" / "solid.vtkhdf"), "solid", "effective_stress", [0])
@@ -388,6 +418,11 @@ class Report(Folder):
         self.assertRegex(page, '<td>poretwin safety</td><td class="number">1.125</td><td class="number">0.01</td><td>2 days</td>')
         self.assertRegex(page, "<td>sand &amp; gravel</td><td>reservoir</td><td>80 %</td>")
         self.assertIn("What fails at 2 days", page)
+
+    def test_it_shows_the_local_factor_of_soil_that_has_one(self):
+        for value, shown in ((lambda x: 1.0 + x[:, 1], True), (lambda x: np.full(len(x), np.nan), False)):
+            write_phase(self.run_folder / "solid.vtkhdf", [(t, square()) for t in (0.0, 259200.0)], [("local_factor_of_safety", "1", lambda t, x: value(x))])
+            self.assertEqual("local factor of safety, of the stress at each point, not of a slip surface" in self.made(), shown)
 
     def test_a_case_that_has_changed_since_is_not_shown(self):
         self.case.write_text(SLOPE.replace("0.4", "0.5"))
