@@ -1,7 +1,9 @@
 """Bishop's simplified method of slices (Bishop 1955), for the references of cases: factor of safety of one slip circle, and a search over
 circles."""
 import numpy as np
+from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 from scipy.optimize import minimize
+from scipy.spatial import cKDTree
 
 
 def factor(vertical, cohesion, friction, sine, driving):
@@ -55,3 +57,30 @@ def read_frame(root, step):
     rows = slice(first, first + count)
     pressure, saturation = (root["PointData"][name][rows].astype(float) for name in ("pore_pressure", "degree_of_saturation"))
     return root["Points"][rows][:, :2].astype(float), pressure, saturation
+
+
+class PoreWater:
+    """Pore water at any point of a dam from a frame of read_frame(): pressure and saturation are linear between the points. Beyond the outermost points,
+    which lie half a spacing inside the soil, the pressure continues with its slope there; the saturation is that of the nearest point."""
+
+    def __init__(self, x, pressure, saturation):
+        self.x, self.values = x, np.stack([pressure, saturation], axis=1)
+        self.linear, self.near = LinearNDInterpolator(x, self.values), NearestNDInterpolator(x, np.arange(len(x)))
+        around = cKDTree(x).query(x, 9)[1][:, 1:]  # slope by least squares over the eight nearest points
+        self.slope = np.array([np.linalg.lstsq(x[n] - x[i], pressure[n] - pressure[i], rcond=None)[0] for i, n in enumerate(around)])
+
+    def at(self, x, y):
+        """Pressure [Pa] and saturation."""
+        points = np.stack([x, y], axis=-1)
+        found = self.linear(points)
+        lost = np.isnan(found[..., 0])
+        nearest = self.near(points[lost]).astype(int)
+        found[lost] = self.values[nearest]
+        found[lost, 0] += (self.slope[nearest] * (points[lost] - self.x[nearest])).sum(axis=-1)
+        return found[..., 0], found[..., 1]
+
+
+def acting(pressure, saturation, residual):
+    """The pressure [Pa] that acts on the skeleton: as it is below the water table, above it times the effective saturation (Bishop's stress with
+    chi = S_e). residual: residual saturation."""
+    return np.where(pressure < 0.0, np.clip((saturation - residual) / (1.0 - residual), 0.0, 1.0) * pressure, pressure)

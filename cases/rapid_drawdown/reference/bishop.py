@@ -12,7 +12,6 @@ import sys
 
 import h5py
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench"))
 import slices  # noqa: E402
@@ -30,28 +29,18 @@ def ground(x):
 
 
 class State:
-    """Pressure and weight in the dam at one time. Mirrored: as seen from behind, so that either slope falls to the right."""
+    """Pore water in the dam at one time. Mirrored: as seen from behind, so that either slope falls to the right."""
 
-    def __init__(self, x, pressure, saturation, level, mirrored):
-        self.mirrored, self.level = mirrored, level
-        effective = np.clip((saturation - RESIDUAL) / (1.0 - RESIDUAL), 0.0, 1.0)
-        felt = np.where(pressure < 0.0, effective * pressure, pressure)
-        self.near, self.felt = NearestNDInterpolator(x, np.arange(len(x))), felt
-        self.linear = LinearNDInterpolator(x, np.stack([felt, saturation], axis=1))
-        self.saturation = saturation
+    def __init__(self, water, level, mirrored):
+        self.water, self.mirrored, self.level = water, mirrored, level
 
     def there(self, x):
         return SURFACE[-1, 0] - x if self.mirrored else x
 
     def at(self, x, y):
         """Pressure that acts [Pa], and saturation."""
-        points = np.stack([self.there(x), y], axis=-1)
-        found = self.linear(points)
-        lost = np.isnan(found[..., 0])
-        if lost.any():
-            nearest = self.near(points[lost]).astype(int)
-            found[lost] = np.stack([self.felt[nearest], self.saturation[nearest]], axis=1)
-        return found[..., 0], found[..., 1]
+        pressure, saturation = self.water.at(self.there(x), y)
+        return slices.acting(pressure, saturation, RESIDUAL), saturation
 
     def top(self, x):
         return ground(self.there(x))
@@ -107,9 +96,9 @@ def main():
         found = root["Steps/Values"][:] / 86400.0
         wanted = [int(np.argmin(np.abs(found - t))) for t in times] if times else range(len(found))
         for step in wanted:
-            x, pressure, saturation = slices.read_frame(root, step)
+            water = slices.PoreWater(*slices.read_frame(root, step))
             level = np.interp(found[step], *np.array(LEVEL).T)
-            factors = [lowest(State(x, pressure, saturation, level, mirrored)) for mirrored in (True, False)]
+            factors = [lowest(State(water, level, mirrored)) for mirrored in (True, False)]
             print(f"{found[step]:.3f},{factors[0]:.4f},{factors[1]:.4f}", flush=True)
 
 

@@ -12,8 +12,6 @@ import sys
 
 import h5py
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-from scipy.spatial import cKDTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench"))
 import slices  # noqa: E402
@@ -30,33 +28,14 @@ def top(x):
     return np.interp(x, SURFACE[:, 0], SURFACE[:, 1], left=0.0, right=0.0)
 
 
-class State:
-    """Pressure and saturation in the dam at one time."""
-
-    def __init__(self, x, pressure, saturation):
-        self.x, self.values = x, np.stack([pressure, saturation], axis=1)
-        self.linear, self.near = LinearNDInterpolator(x, self.values), NearestNDInterpolator(x, np.arange(len(x)))
-        # Slope of the pressure at each point, from its eight nearest: carries it on from the outermost points to the base and the surface.
-        around = cKDTree(x).query(x, 9)[1][:, 1:]
-        self.slope = np.array([np.linalg.lstsq(x[n] - x[i], pressure[n] - pressure[i], rcond=None)[0] for i, n in enumerate(around)])
-
-    def at(self, x, y):
-        """Pressure that acts [Pa], pressure [Pa], saturation."""
-        points = np.stack([x, y], axis=-1)
-        found = self.linear(points)
-        lost = np.isnan(found[..., 0])
-        nearest = self.near(points[lost]).astype(int)
-        found[lost] = self.values[nearest]
-        found[lost, 0] += (self.slope[nearest] * (points[lost] - self.x[nearest])).sum(axis=-1)
-        pressure, saturation = np.moveaxis(found, -1, 0)
-        effective = np.clip((saturation - RESIDUAL) / (1.0 - RESIDUAL), 0.0, 1.0)
-        return np.where(pressure < 0.0, effective * pressure, pressure), pressure, saturation
+class State(slices.PoreWater):
+    """Pore water in the dam at one time."""
 
     def seepage_force(self, x, y):
         """To the right and upwards [N/m3]."""
         def pressure(dx, dy):
-            return self.at(x + dx, y + dy)[1]
-        wet = POROSITY * self.at(x, y)[2]
+            return self.at(x + dx, y + dy)[0]
+        wet = POROSITY * self.at(x, y)[1]
         along = (pressure(STEP, 0.0) - pressure(-STEP, 0.0)) / (2.0 * STEP)
         up = (pressure(0.0, STEP) - pressure(0.0, -STEP)) / (2.0 * STEP)
         return -wet * along, -wet * (WATER * GRAVITY + up)
@@ -81,7 +60,7 @@ def factor(state, seeping, centre, radius):
     inside = np.repeat(x[:, None], LAYERS, axis=1)
     above = bottom[:, None] + (np.arange(LAYERS) + 0.5) / LAYERS * height[:, None]
     volume = (height * width / LAYERS)[:, None]
-    down = ((1.0 - POROSITY) * GRAINS + POROSITY * WATER * state.at(inside, above)[2]) * GRAVITY
+    down = ((1.0 - POROSITY) * GRAINS + POROSITY * WATER * state.at(inside, above)[1]) * GRAVITY
     right = np.zeros_like(down)
     if not seeping:
         along, up = state.seepage_force(inside, above)
@@ -90,7 +69,7 @@ def factor(state, seeping, centre, radius):
     driving = ((down * (xc - inside) + right * (yc - above)) * volume).sum() / radius
     if driving <= 0.0:
         return np.inf
-    pressure = state.at(x, bottom)[0]
+    pressure = slices.acting(*state.at(x, bottom), RESIDUAL)
     sine = (xc - x) / radius
     return slices.factor(np.maximum(vertical - pressure * width, 0.0), COHESION * width, FRICTION, sine, driving)
 
