@@ -141,6 +141,12 @@ void Stepper::link_full_points(const Skeleton& soil, const State& state) {
   }
 }
 
+Flow Stepper::passed_since_zero(std::size_t i) const {
+  if (evens_[i] == 0.0) return {};
+  const Content a = flow_->borne_head(network_.links[i].a), b = flow_->borne_head(network_.links[i].b);
+  return {evens_[i] * (a.value - b.value), evens_[i] * a.slope, -evens_[i] * b.slope};
+}
+
 void Stepper::see(const Skeleton& soil, double share) {
   const std::size_t n = network_.size();
   Pores pores{ScalarArray(n), ScalarArray(n), soil.give, soil.conductivity};
@@ -189,14 +195,11 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
     net_[link.a] -= f.value;
     net_[link.b] += f.value;
     Flow all{0.0, interval * f.by_a, interval * f.by_b};
-    if (evens_[i] > 0.0) {
-      const Content a = flow_->borne_head(link.a), b = flow_->borne_head(link.b);
-      const double volume = evens_[i] * (a.value - b.value);
-      passed_[link.a] += volume;
-      passed_[link.b] -= volume;
-      all.by_a += evens_[i] * a.slope;
-      all.by_b -= evens_[i] * b.slope;
-    }
+    const Flow passed = passed_since_zero(i);
+    passed_[link.a] += passed.value;
+    passed_[link.b] -= passed.value;
+    all.by_a += passed.by_a;
+    all.by_b += passed.by_b;
     if (!with_matrix) continue;
     matrix_[matrix_.diagonal(link.a)] += all.by_a;
     matrix_[places_[i].first] += all.by_b;
@@ -359,11 +362,9 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   flow_->set(variable_);
   before_.assign(n, 0.0);
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
-    const Link& link = network_.links[i];
-    if (evens_[i] == 0.0) continue;
-    const double volume = evens_[i] * (flow_->borne_head(link.a).value - flow_->borne_head(link.b).value);
-    before_[link.a] += volume;
-    before_[link.b] -= volume;
+    const double volume = passed_since_zero(i).value;
+    before_[network_.links[i].a] += volume;
+    before_[network_.links[i].b] -= volume;
   }
   for (std::size_t a = 0; a < n; ++a) base_[a] += before_[a];
   carried_ = give_ = 0.0;

@@ -61,6 +61,9 @@ class Stepper {
   /// 2008). T is the transmissibility, M the constrained modulus, and L the width of a cell of volume V: V^(1/2) in 2D,
   /// V^(1/3) in 3D.
   void link_full_points(const Skeleton& soil, const State& state);
+  /// Volume [m3, 2D: m2] that link i has passed from a to b by this exchange as heads rose from zero to the present
+  /// ones.
+  [[nodiscard]] Flow passed_since_zero(std::size_t i) const;
   /// content_error: errors of the points' contents [m3, 2D: m2]. Returns the error that they cause, with the resulting
   /// flows, in the head [m] that the skeleton bears at the step's end, as mean over the soil; and the largest head that
   /// the skeleton bears.

@@ -48,7 +48,7 @@ struct Particles {
   /// N/m3, added to the body force in the slope of the stress at frictional walls (wall_friction.hpp).
   VecArray<D> wall_slope;
   std::vector<PlateMotion<D>> plates;  ///< rigid plates that press on the particles
-  std::size_t held = 0;  ///< number of fixed particles; they come last
+  std::size_t held = 0;                ///< number of fixed particles; they come last
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   /// State variables of a particle. All rows have the length that the soil with the most state variables needs.
   [[nodiscard]] std::span<double> state_of(std::size_t i) {
@@ -168,8 +168,8 @@ struct ImageRule {
   Vec<D> shift = Vec<D>::Zero();
   Mat<D> velocity = Mat<D>::Identity();
   Mat<D> slip = Mat<D>::Zero();
-  bool slips = false;  ///< one of the walls passed is frictional
-  bool moves = false;  ///< one of the walls passed is a plate
+  bool slips = false;               ///< one of the walls passed is frictional
+  bool moves = false;               ///< one of the walls passed is a plate
   Vec<D> carried = Vec<D>::Zero();  ///< m/s, part of the image's velocity that is due to the motion of plates
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
@@ -324,14 +324,13 @@ using Kernels = std::vector<float>;
 template <int D>
 struct alignas(32) Grain {
   Vec<D> position = Vec<D>::Zero();
-  double volume = 0.0, mass = 0.0;
-  double shown = 0.0;    ///< volume in sums over stresses: 0 for images behind walls, where the stress is unknown
-  double swollen = 0.0;  ///< volume over mass
-  double flows = 0.0;    ///< see Scratch
+  double volume = 0.0, initial = 0.0;  ///< m^D; initial: before any strain
+  double shown = 0.0;  ///< volume in sums over stresses: 0 for images behind walls, where the stress is unknown
+  double flows = 0.0, exchanging = 0.0;  ///< see Scratch
   Eigen::Matrix<double, D == 2 ? 4 : 6, 1> stress = Eigen::Matrix < double, D == 2 ? 4 : 6, 1 > ::Zero();
   Eigen::Matrix<double, D == 2 ? 4 : 6, D> slope = Eigen::Matrix < double, D == 2 ? 4 : 6, D > ::Zero();
-  static constexpr std::size_t at_volume = D, at_mass = D + 1, at_shown = D + 2, at_swollen = D + 3, at_flows = D + 4,
-                               at_stress = 8, at_slope = at_stress + (D == 2 ? 4 : 6);
+  static constexpr std::size_t at_volume = D, at_initial = D + 1, at_shown = D + 2, at_flows = D + 3,
+                               at_exchanging = D + 4, at_stress = 8, at_slope = at_stress + (D == 2 ? 4 : 6);
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
@@ -347,9 +346,11 @@ template <int D>
 struct Scratch {
   std::vector<Quad> sums;     ///< of the loop over pairs that is running
   std::vector<char> touches;  ///< for slide_on_walls: 1 where a particle touches a wall
-  ScalarArray yielded_since;  ///< for keep_flow_regular: plastic strain since its last correction
-  ScalarArray flows;          ///< for keep_flow_regular: 1 where soil flows; where it yielded a little, minus the
-                              ///< stress [Pa] that may be evened out. grains: also for keep_flow_regular
+  // For keep_flow_regular, of every particle:
+  ScalarArray flows;    ///< 1 where soil flows; where it yielded a little, minus the stress [Pa] that may be evened out
+  ScalarArray sheared;  ///< shear strain since the last correction
+  ScalarArray flowed;   ///< fraction of the full correction of the stress
+  ScalarArray exchanging;  ///< fraction of the full exchange of volume
   std::vector<Grain<D>> grains;
   /// n sums for each of `count` particles, set to zero. They are valid until the next call.
   template <std::size_t n>
