@@ -2,7 +2,7 @@
 
     python3 dam.py [CELLS] [STEPS] [OUT]
 
-CELLS: cells per metre of height (2 or 4; default 2), STEPS: factor on the number of time steps (default 1), OUT: folder
+CELLS: cells per metre of height (1 or more; default 2), STEPS: factor on the number of time steps (default 1), OUT: folder
 for the tables (default: none, the values are printed only). Needs numpy and scipy.
 
 Equations, with the displacement u (6-node triangles), the pressure head psi (their corners), the effective stress s'
@@ -178,7 +178,7 @@ class Mesh:
             key = (round(x, 6), round(z, 6))
             if key not in index:
                 index[key] = len(corners)
-                corners.append(key)
+                corners.append((x, z))
             return index[key]
         triangles, material = [], []
         for x0, x1 in zip(xs, xs[1:]):
@@ -281,13 +281,13 @@ class Dam:
         self.u, self.psi = np.zeros(self.nu), np.full(self.np, INITIAL_HEAD)
         self.time = 0.0
         self.yielded = np.zeros(m.B.shape[:2], bool)
-        on_base = abs(m.x[:, 1]) < 1e-9
+        on_base = abs(m.x[:, 1]) < 1e-6
         self.free = np.ones(self.nu + self.np, bool)
         self.free[:self.nu] = np.repeat(~on_base, 2)
-        self.crest = m.edges(lambda x, z: abs(z - HEIGHT) < 1e-9)
-        self.wet = m.edges(lambda x, z: abs(z - x / 2) < 1e-9 and x <= 20 + 1e-9)
-        self.outlets = np.concatenate([m.edges(lambda x, z: abs(z - (WIDTH - x) / 2) < 1e-9),
-                                       m.edges(lambda x, z: abs(z) < 1e-9 and x >= 26 - 1e-9)])
+        self.crest = m.edges(lambda x, z: abs(z - HEIGHT) < 1e-6)
+        self.wet = m.edges(lambda x, z: abs(z - x / 2) < 1e-6 and x <= 20 + 1e-6)
+        self.outlets = np.concatenate([m.edges(lambda x, z: abs(z - (WIDTH - x) / 2) < 1e-6),
+                                       m.edges(lambda x, z: abs(z) < 1e-6 and x >= 26 - 1e-6)])
         lengths = lambda edges: np.linalg.norm(m.x[edges[:, 1]] - m.x[edges[:, 0]], axis=1)
         conductance = SHELL["K"] / 0.02  # m/s per m of head: the border's head is met within 2 cm of soil
         self.of_reservoir, self.of_outlet = np.zeros(self.np), np.zeros(self.np)
@@ -500,12 +500,12 @@ class Dam:
         return L @ self.psi[self.m.t[e, :3]]
 
     def effective_stress(self, where):
-        """Linear fit through the integration points of the same soil within 0.8 m."""
+        """Linear fit through the integration points of the same soil and half of the dam within 0.8 m."""
         m = self.m
         e, _ = m.at(where)
         d = m.gauss - np.array(where)
         near = (np.hypot(d[..., 0], d[..., 1]) < 0.8) & (m.clay == m.clay[e])[:, None] & \
-               (m.clay[e] | ((m.gauss[..., 0] < WIDTH / 2) == (where[0] < WIDTH / 2)))
+               ((m.gauss[..., 0] < WIDTH / 2) == (where[0] <= WIDTH / 2))
         A = np.concatenate([np.ones((near.sum(), 1)), d[near]], 1)
         return np.linalg.lstsq(A, self.stress[near], rcond=None)[0][0]
 
@@ -514,7 +514,7 @@ PLACES = dict(
     psi=[[23, 1], [23, 3], [23, 5], [23, 7], [23, 9], [22, 1], [22, 3], [22, 5], [24, 1], [24, 3], [24, 5], [15, 2],
          [18, 4]],
     u=[[23, 10], [23, 8], [23, 6], [23, 4], [23, 2], [20.5, 10], [25.5, 10], [15, 7], [31, 7], [18, 4], [28, 4]],
-    stress=[[9, 3], [12, 3], [15, 3], [18, 3], [20, 3], [22, 3], [23, 3], [24, 3], [26, 3], [28, 3], [31, 3], [34, 3],
+    stress=[[9, 3], [12, 3], [15, 3], [18, 3], [20, 3], [22, 3], [23, 3], [26, 3], [28, 3], [31, 3], [34, 3],
             [37, 3]])
 # Day, and the longest step [days] on the way to it.
 STAGES = ((30, 2), (60, 6), (120, 3), (160, 3), (300, 10), (900, 60))
