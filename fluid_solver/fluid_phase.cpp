@@ -115,7 +115,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   BedPassage passage;
   if (!state_.bed.empty()) {
     passage = pass_bed(setup_, dt, state_);
-    add_bed_source<D>(passage, dt, p, source);
+    add_bed_source<D>(passage, dt, s, source);
   }
   in.source = std::move(source);
   const bool explicit_drag = setup_.scheme == FluidCase::Scheme::eisph_explicit_drag;
@@ -151,11 +151,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   ScalarArray came(state_.faces.size(), 0.0);
   advance_columns(setup_, walls_.sight, s, view, out, dt, state_, came);
   push_pistons(0.5 * dt);
-  move<D>(setup_, walls_, s, out, gradient, velocity_before, repair(setup_, state_, s, view, dt), dt, state_);
+  move<D>(setup_, walls_, s, out, gradient, velocity_before, repair(setup_, state_, s, view, dt), passage.gained, dt,
+          state_);
   if (!state_.bed.empty()) change_volumes(setup_, passage, state_);
   follow_soil(view, state_);
   give_birth_and_delete(setup_, faces_, view, state_, came);
-  if (!state_.bed.empty()) even_volumes(setup_, state_);
+  if (!state_.bed.empty()) even_volumes(setup_, walls_, state_);
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);
   walls_.place(state_.inlets);

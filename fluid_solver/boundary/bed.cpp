@@ -1,11 +1,12 @@
 #include "fluid_solver/boundary/bed.hpp"
 
+#include "common/core/threads.hpp"
 #include "common/particles/neighbours.hpp"
+#include "fluid_solver/motion/advection.hpp"
 #include "fluid_solver/numerics/bed.hpp"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -78,14 +79,60 @@ void merge(std::size_t a, std::size_t b, Particles<D>& p) {
   p.volume[b] += p.volume[a];
 }
 
-/// Particle a and a new one share its volume, half a spacing apart along the bed.
+/// Least distance [m] of any of these places from the points, and from the images of the places.
 template <int D>
-void divide(const Setup<D>& setup, const Vec<D>& along, std::size_t a, Particles<D>& p) {
+double clearance(const Walls<D>& walls, std::span<const Vec<D>> places, std::span<const Vec<D>> points, double reach) {
+  double least = reach;
+  const auto images = images_of<D>(places, walls.planes, walls.sight, walls.surfaces.get(), reach);
+  for (const auto& x : places) {
+    for (const auto& y : points) least = std::min(least, (x - y).norm());
+    for (const auto& y : images.position) least = std::min(least, (x - y).norm());
+  }
+  return least;
+}
+
+/// Half the vector between two particles a spacing `apart` [m], which take the place of particle a: in the direction in
+/// which both are farthest from all others and from the images behind walls. Rows that grow are stretched, and only
+/// particles that come into the wide gaps leave the packing even.
+template <int D>
+Vec<D> half_way_apart(const Walls<D>& walls, const Particles<D>& p, std::size_t a, double apart) {
+  const double reach = sph::support_radius * points::smoothing_ratio * apart;
+  VecArray<D> others;
+  for (std::size_t b = 0; b < p.size(); ++b)
+    if (b != a && (p.position[b] - p.position[a]).squaredNorm() < reach * reach) others.push_back(p.position[b]);
+  const auto images = images_of<D>(others, walls.planes, walls.sight, walls.surfaces.get(), reach);
+  others.insert(others.end(), images.position.begin(), images.position.end());
+  // Directions towards the points of a lattice, one of each opposite pair.
+  constexpr int n = bed::directions, side = 2 * n + 1;
+  Vec<D> best = Vec<D>::Zero();
+  double widest = 0.0;
+  for (int k = 0; k < (D == 3 ? side * side * side : side * side) / 2; ++k) {
+    Vec<D> direction;
+    for (int d = 0, rest = k; d < D; ++d, rest /= side) direction[d] = rest % side - n;
+    const Vec<D> half = 0.5 * apart * direction.normalized();
+    const std::array<Vec<D>, 2> places{p.position[a] - half, p.position[a] + half};
+    const double width = clearance<D>(walls, places, others, reach);
+    if (width <= widest * (1.0 + 1e-9)) continue;  // the first of those that are equal, whatever the rounding
+    widest = width;
+    best = half;
+  }
+  return best;
+}
+
+/// Particle a and a new one share its volume, one of their spacings apart. The centre of mass stays.
+template <int D>
+void divide(const Walls<D>& walls, std::size_t a, Particles<D>& p) {
   p.mass[a] *= 0.5;
   p.volume[a] *= 0.5;
-  const Vec<D> step = 0.25 * setup.spacing * along;
-  p.position[a] -= step;
-  const Vec<D> x = p.position[a] + 2.0 * step, v = p.velocity[a];
+  const Vec<D> half = half_way_apart<D>(walls, p, a, spacing_of<D>(p.volume[a])), before = p.position[a];
+  const auto place = [&](const Vec<D>& step, Vec<D>& v) {
+    Vec<D> x = before + step;
+    keep_inside<D>(walls, before, spacing_of<D>(p.volume[a]), x, v);
+    return x;
+  };
+  Vec<D> v = p.velocity[a];
+  p.position[a] = place(-half, p.velocity[a]);
+  const Vec<D> x = place(half, v);
   p.add(x, v, p.mass[a], p.void_fraction[a], p.volume[a], p.pressure[a], {p.wave_speed[a], false});
 }
 
@@ -133,8 +180,19 @@ BedPassage pass_bed(const Setup<D>& setup, double interval, State<D>& state) {
 }
 
 template <int D>
-void add_bed_source(const BedPassage& passage, double interval, const Particles<D>& p, std::span<double> source) {
-  for (std::size_t a = 0; a < p.size(); ++a) source[a] += passage.gained[a] / (p.volume[a] * interval);
+void add_bed_source(const BedPassage& passage, double interval, const Stencil<D>& s, std::span<double> source) {
+  parallel_for(s.n_real, [&](std::size_t a) {
+    const double own = Kernel<D>::value(0.0, s.length(a));
+    double gained = own * passage.gained[a], volume = own * s.volume[a];
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k], q = s.parent[j];
+      if (q >= s.n_real) continue;
+      const double weight = s.value(a, j);
+      gained += weight * passage.gained[q];
+      volume += weight * s.volume[q];
+    }
+    source[a] += gained / (volume * interval);
+  });
 }
 
 template <int D>
@@ -148,7 +206,7 @@ void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& 
 }
 
 template <int D>
-void even_volumes(const Setup<D>& setup, State<D>& state) {
+void even_volumes(const Setup<D>& setup, const Walls<D>& walls, State<D>& state) {
   auto& p = state.particles;
   const double usual = std::pow(setup.spacing, D);
   const std::size_t n = p.size();
@@ -171,7 +229,7 @@ void even_volumes(const Setup<D>& setup, State<D>& state) {
   }
   for (std::size_t a = 0; a < n; ++a) {
     if (!keep[a] || p.volume[a] <= bed::most_volume * usual) continue;
-    divide<D>(setup, nearest_part(p.position[a], state).normal.unitOrthogonal(), a, p);
+    divide<D>(walls, a, p);
     ++state.counts.born;
   }
   keep.resize(p.size(), true);
@@ -223,12 +281,12 @@ void turn_over(std::span<const double> film, double within, State<D>& state) {
   }
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                    \
-  template BedPassage pass_bed(const Setup<D>&, double, State<D>&);                                \
-  template void add_bed_source(const BedPassage&, double, const Particles<D>&, std::span<double>); \
-  template void change_volumes(const Setup<D>&, const BedPassage&, State<D>&);                     \
-  template void even_volumes(const Setup<D>&, State<D>&);                                          \
-  template std::vector<BedWater> water_before_bed(const Setup<D>&, const State<D>&);               \
+#define PORETWIN_INSTANTIATE(D)                                                                  \
+  template BedPassage pass_bed(const Setup<D>&, double, State<D>&);                              \
+  template void add_bed_source(const BedPassage&, double, const Stencil<D>&, std::span<double>); \
+  template void change_volumes(const Setup<D>&, const BedPassage&, State<D>&);                   \
+  template void even_volumes(const Setup<D>&, const Walls<D>&, State<D>&);                       \
+  template std::vector<BedWater> water_before_bed(const Setup<D>&, const State<D>&);             \
   template void turn_over(std::span<const double>, double, State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -5,13 +5,14 @@
 //   dV/dt = V div v = - q A,  q: into the ground
 //
 // with v parallel to the bed on it. So the particles before the bed shrink by what the ground takes, and grow by what
-// it gives; the pressure solve gets the same term as a source. Mass is conserved to rounding whatever the arrangement
-// of the particles. Small particles merge with a neighbour, large ones divide.
+// it gives; the pressure solve gets the same term as a source, smoothed as the divergence is. Mass is conserved to
+// rounding whatever the arrangement of the particles. Small particles merge with a neighbour, large ones divide.
 //
 // Between the two solvers stands a film on each part of the bed: water that the ground has given and the particles have
 // not taken yet; negative where the ground has taken more than the particles have given.
 #pragma once
 
+#include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/state.hpp"
 
 #include <span>
@@ -36,9 +37,14 @@ struct BedPassage {
 template <int D>
 BedPassage pass_bed(const Setup<D>& setup, double interval, State<D>& state);
 
-/// Adds to the volume source [1/s] what passes.
+/// Adds to the volume source [1/s] what passes: the mean growth around each particle, with the weights V W.
+///
+/// The sums over pairs show the divergence of the water smoothed by the kernel (sum V v . grad W is the divergence of
+/// sum V v W). So the velocity that makes room for each particle's own growth has the smoothed growth as its
+/// divergence. With the growth itself as the source, rows above those that grow are lifted too far: the level of a pond
+/// that rises is up to half a spacing too high.
 template <int D>
-void add_bed_source(const BedPassage& passage, double interval, const Particles<D>& p, std::span<double> source);
+void add_bed_source(const BedPassage& passage, double interval, const Stencil<D>& s, std::span<double> source);
 
 /// Changes the particles' volumes and the films.
 template <int D>
@@ -47,7 +53,7 @@ void change_volumes(const Setup<D>& setup, const BedPassage& passage, State<D>& 
 /// Merges particles that have become small, divides large ones, makes and removes particles on the bed. It changes
 /// which particles there are, so that it comes last in a window.
 template <int D>
-void even_volumes(const Setup<D>& setup, State<D>& state);
+void even_volumes(const Setup<D>& setup, const Walls<D>& walls, State<D>& state);
 
 /// The water before each part now.
 template <int D>

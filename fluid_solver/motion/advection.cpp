@@ -15,11 +15,15 @@ namespace {
 /// Displacement in a window of the surface, half a spacing outside its particles, beyond that of these particles.
 /// Without it waves are too slow, in proportion to the ratio of that half spacing to their depth of decay (1.8 % at 50
 /// particles per wavelength), and a front lags by half a spacing.
+///
+/// growth [1/s]: rate at which water comes into the particle's own volume. It moves the surface away from the particle,
+/// and not the particle to the surface.
 template <int D>
-Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, double distance, double interval) {
+Vec<D> surface_lead(const Mat<D>& velocity_gradient, double growth, const Vec<D>& inward, double distance,
+                    double interval) {
   const Vec<D> n = inward.normalized();
-  const double stretching =
-      std::clamp(n.dot(velocity_gradient * n), -motion::most_strain / interval, motion::most_strain / interval);
+  const double stretching = std::clamp(n.dot(velocity_gradient * n) - growth, -motion::most_strain / interval,
+                                       motion::most_strain / interval);
   return -distance * stretching * n;
 }
 
@@ -29,12 +33,7 @@ void displace(const Setup<D>& setup, const Walls<D>& walls, Particles<D>& p, std
   const Vec<D> before = p.position[a];
   p.position[a] += d;
   Vec<D> v = p.velocity[a];
-  if constexpr (D == 3)
-    if (walls.surfaces) walls.surfaces->keep_inside(before, spacing_of<D>(p.volume[a]), p.position[a], v);
-  if (walls.sight.limited())
-    walls.sight.keep_inside(before, p.position[a], v);
-  else
-    sph::keep_inside<D>(walls.planes, spacing_of<D>(p.volume[a]), p.position[a], v);
+  keep_inside<D>(walls, before, spacing_of<D>(p.volume[a]), p.position[a], v);
   if (stop_at_walls) p.velocity[a] = v;
   for (const int axis : setup.periodic) {
     const double lower = setup.periodic_lower[axis], length = setup.periodic_length[axis];
@@ -45,6 +44,16 @@ void displace(const Setup<D>& setup, const Walls<D>& walls, Particles<D>& p, std
 }
 
 }  // namespace
+
+template <int D>
+void keep_inside(const Walls<D>& walls, const Vec<D>& before, double spacing, Vec<D>& x, Vec<D>& v) {
+  if constexpr (D == 3)
+    if (walls.surfaces) walls.surfaces->keep_inside(before, spacing, x, v);
+  if (walls.sight.limited())
+    walls.sight.keep_inside(before, x, v);
+  else
+    sph::keep_inside<D>(walls.planes, spacing, x, v);
+}
 
 /// Free water moves half a window before the solve and half a window after it (leapfrog). This is of second order and
 /// has no damping of its own.
@@ -58,7 +67,7 @@ void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Partic
 template <int D>
 void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, const WindowSolution<D>& solution,
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,
-          std::span<const Vec<D>> repair, double interval, State<D>& state) {
+          std::span<const Vec<D>> repair, std::span<const double> gained, double interval, State<D>& state) {
   auto& p = state.particles;
   // Water in soil that moves as a whole keeps its packing: only motion of the water through the soil disorders it.
   auto motion = moved<D>(state.particles);
@@ -77,8 +86,10 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
     else
       d *= 0.5;
     d += shift[a];
-    if (p.in_seepage[a] == 0 && p.surface[a] == Surface::surface)
-      d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance(a), interval);
+    if (p.in_seepage[a] == 0 && p.surface[a] == Surface::surface) {
+      const double growth = gained.empty() ? 0.0 : gained[a] / (p.volume[a] * interval);
+      d += interval * surface_lead<D>(velocity_gradient[a], growth, s.normal[a], s.surface_distance(a), interval);
+    }
     const double before = p.pressure[a] + setup.weight.dot(p.position[a] - setup.origin);
     p.pressure[a] += solution.gradient[a].dot(p.in_seepage[a] != 0 ? d : shift[a]);
     // A shifted particle takes the velocity that the water has where the particle arrives.
@@ -93,9 +104,11 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                     \
+  template void keep_inside(const Walls<D>&, const Vec<D>&, double, Vec<D>&, Vec<D>&);              \
   template void drift(const Setup<D>&, const Walls<D>&, double, Particles<D>&);                     \
   template void move(const Setup<D>&, const Walls<D>&, const Stencil<D>&, const WindowSolution<D>&, \
-                     std::span<const Mat<D>>, std::span<const Vec<D>>, std::span<const Vec<D>>, double, State<D>&);
+                     std::span<const Mat<D>>, std::span<const Vec<D>>, std::span<const Vec<D>>,     \
+                     std::span<const double>, double, State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -14,15 +14,20 @@ inline double look_ahead(double last_interval, double interval) {
   return last_interval > 0.0 ? std::min(1.0, 0.5 * interval / last_interval) : 0.0;
 }
 
+/// Brings a particle that has moved from `before` to x [m] back before the walls that it has passed, and removes its
+/// velocity [m/s] into them. spacing: m, of the particle.
+template <int D>
+void keep_inside(const Walls<D>& walls, const Vec<D>& before, double spacing, Vec<D>& x, Vec<D>& v);
+
 /// Moves free water by half a window of `interval` [s].
 template <int D>
 void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Particles<D>& p);
 
 /// Moves all water to the window's end. velocity_before: velocity at the window's start; repair [m]: displacements that
-/// repair() returns.
+/// repair() returns; gained [n] m^D: volume that comes into each particle in the window (empty: none).
 template <int D>
 void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, const WindowSolution<D>& solution,
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,
-          std::span<const Vec<D>> repair, double interval, State<D>& state);
+          std::span<const Vec<D>> repair, std::span<const double> gained, double interval, State<D>& state);
 
 }  // namespace poretwin::fluid

@@ -23,9 +23,10 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
                    double interval);
 
 /// Packing around particle a relative to a lattice's, minus 1. full: sum V W over that of a lattice, or the measure
-/// that replaces it in open water.
+/// that replaces it in open water. loose_counts: looseness counts in open water within reach of a surface, too.
 template <int D>
-double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full);
+double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full,
+                     bool loose_counts = false);
 
 /// Rate of expansion of each particle's volume [1/s], as a source in the pressure equation. It consists of the repair
 /// of the packing, the curvature of the motion in time, and the deformation of the soil beyond the prediction.

@@ -6,10 +6,9 @@
 namespace poretwin::fluid::bed {
 
 /// Smoothing length of the weights by which a part of the bed and the particles before it exchange water. The support,
-/// twice this length, contains four rows. With half of it the first row takes nearly all; the divergence of a single
-/// row is not resolved, the rows above are lifted too far, and water that rises into a pond 3 to 7 rows deep gains 6 %
-/// too little (2 %).
-/// Unit: spacings. Test: JointWater.GroundwaterFillsAPond.
+/// twice this length, contains four rows. With half of it the sums over pairs do not resolve the growth: the level of a
+/// pond that has risen from 5 to 9 rows is 0.2 spacings too high (0.1).
+/// Unit: spacings. Test: Bed.WhatTheGroundGivesComesIntoTheParticles.
 inline constexpr double reach = 2.0;
 /// Volume below which a particle is merged with its nearest neighbour.
 /// Unit: volumes of a particle at the start. Test: Bed.ParticlesThatShrinkMerge (untried).
@@ -17,6 +16,10 @@ inline constexpr double least_volume = 0.5;
 /// Volume above which a particle is divided into two.
 /// Unit: volumes of a particle at the start. Test: Bed.WhatTheGroundGivesComesIntoTheParticles (untried).
 inline constexpr double most_volume = 1.6;
+/// A particle is divided in one of the directions towards the points of a square (3D: cubic) lattice up to this many
+/// spacings away along each axis: 8 directions (3D: 49).
+/// Unit: 1. Test: Bed.WhatTheGroundGivesComesIntoTheParticles (untried).
+inline constexpr int directions = 2;
 /// Volume below which a particle without a neighbour becomes part of the film on the bed.
 /// Unit: volumes of a particle at the start. Test: none known.
 inline constexpr double last_volume = 0.1;
