@@ -5,8 +5,9 @@
 #include "fluid_solver/motion/advection.hpp"
 #include "fluid_solver/numerics/bed.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -79,60 +80,42 @@ void merge(std::size_t a, std::size_t b, Particles<D>& p) {
   p.volume[b] += p.volume[a];
 }
 
-/// Least distance [m] of any of these places from the points, and from the images of the places.
+/// Unit vector in the direction in which the neighbours of particle a and its images behind walls are fewest: along the
+/// eigenvector of the least eigenvalue of their moment, sum F r r^T with F = -W'/r. Rows that grow are stretched, and
+/// particles that come into their wide gaps leave the packing even.
 template <int D>
-double clearance(const Walls<D>& walls, std::span<const Vec<D>> places, std::span<const Vec<D>> points, double reach) {
-  double least = reach;
-  const auto images = images_of<D>(places, walls.planes, walls.sight, walls.surfaces.get(), reach);
-  for (const auto& x : places) {
-    for (const auto& y : points) least = std::min(least, (x - y).norm());
-    for (const auto& y : images.position) least = std::min(least, (x - y).norm());
+Vec<D> roomiest_direction(const Walls<D>& walls, std::size_t a, const Particles<D>& p) {
+  const double h = points::smoothing_ratio * spacing_of<D>(p.volume[a]), reach = sph::support_radius * h;
+  VecArray<D> near;
+  for (const auto& x : p.position)
+    if ((x - p.position[a]).squaredNorm() < reach * reach) near.push_back(x);
+  const auto images = images_of<D>(near, walls.planes, walls.sight, walls.surfaces.get(), reach);
+  near.insert(near.end(), images.position.begin(), images.position.end());
+  Mat<D> moment = Mat<D>::Zero();
+  for (const auto& x : near) {
+    const Vec<D> r = x - p.position[a];
+    moment -= Kernel<D>::derivative_over_r(r.norm(), h) * r * r.transpose();
   }
-  return least;
-}
-
-/// Half the vector between two particles a spacing `apart` [m], which take the place of particle a: in the direction in
-/// which both are farthest from all others and from the images behind walls. Rows that grow are stretched, and only
-/// particles that come into the wide gaps leave the packing even.
-template <int D>
-Vec<D> half_way_apart(const Walls<D>& walls, const Particles<D>& p, std::size_t a, double apart) {
-  const double reach = sph::support_radius * points::smoothing_ratio * apart;
-  VecArray<D> others;
-  for (std::size_t b = 0; b < p.size(); ++b)
-    if (b != a && (p.position[b] - p.position[a]).squaredNorm() < reach * reach) others.push_back(p.position[b]);
-  const auto images = images_of<D>(others, walls.planes, walls.sight, walls.surfaces.get(), reach);
-  others.insert(others.end(), images.position.begin(), images.position.end());
-  // Directions towards the points of a lattice, one of each opposite pair.
-  constexpr int n = bed::directions, side = 2 * n + 1;
-  Vec<D> best = Vec<D>::Zero();
-  double widest = 0.0;
-  for (int k = 0; k < (D == 3 ? side * side * side : side * side) / 2; ++k) {
-    Vec<D> direction;
-    for (int d = 0, rest = k; d < D; ++d, rest /= side) direction[d] = rest % side - n;
-    const Vec<D> half = 0.5 * apart * direction.normalized();
-    const std::array<Vec<D>, 2> places{p.position[a] - half, p.position[a] + half};
-    const double width = clearance<D>(walls, places, others, reach);
-    if (width <= widest * (1.0 + 1e-9)) continue;  // the first of those that are equal, whatever the rounding
-    widest = width;
-    best = half;
-  }
-  return best;
+  Eigen::SelfAdjointEigenSolver<Mat<D>> eigen;
+  eigen.computeDirect(moment);
+  return eigen.eigenvectors().col(0);
 }
 
 /// Particle a and a new one share its volume, one of their spacings apart. The centre of mass stays.
 template <int D>
 void divide(const Walls<D>& walls, std::size_t a, Particles<D>& p) {
+  const Vec<D> direction = roomiest_direction<D>(walls, a, p), before = p.position[a];
   p.mass[a] *= 0.5;
   p.volume[a] *= 0.5;
-  const Vec<D> half = half_way_apart<D>(walls, p, a, spacing_of<D>(p.volume[a])), before = p.position[a];
-  const auto place = [&](const Vec<D>& step, Vec<D>& v) {
-    Vec<D> x = before + step;
-    keep_inside<D>(walls, before, spacing_of<D>(p.volume[a]), x, v);
+  const double apart = spacing_of<D>(p.volume[a]);
+  const auto place = [&](double distance, Vec<D>& v) {
+    Vec<D> x = before + distance * direction;
+    keep_inside<D>(walls, before, apart, x, v);
     return x;
   };
   Vec<D> v = p.velocity[a];
-  p.position[a] = place(-half, p.velocity[a]);
-  const Vec<D> x = place(half, v);
+  p.position[a] = place(-0.5 * apart, p.velocity[a]);
+  const Vec<D> x = place(0.5 * apart, v);
   p.add(x, v, p.mass[a], p.void_fraction[a], p.volume[a], p.pressure[a], {p.wave_speed[a], false});
 }
 

@@ -16,10 +16,6 @@ inline constexpr double least_volume = 0.5;
 /// Volume above which a particle is divided into two.
 /// Unit: volumes of a particle at the start. Test: Bed.WhatTheGroundGivesComesIntoTheParticles (untried).
 inline constexpr double most_volume = 1.6;
-/// A particle is divided in one of the directions towards the points of a square (3D: cubic) lattice up to this many
-/// spacings away along each axis: 8 directions (3D: 49).
-/// Unit: 1. Test: Bed.WhatTheGroundGivesComesIntoTheParticles (untried).
-inline constexpr int directions = 2;
 /// Volume below which a particle without a neighbour becomes part of the film on the bed.
 /// Unit: volumes of a particle at the start. Test: none known.
 inline constexpr double last_volume = 0.1;

@@ -133,7 +133,8 @@ TEST(Bed, WhatTheGroundGivesComesIntoTheParticles) {
     double level, jitter, level_tolerance, head_tolerance;
   };
   // Five rows, two rows, and five rows in disorder.
-  for (const Pond& pond : {Pond{5 * dx, 0.0, 0.05, 0.05}, Pond{2 * dx, 0.0, 0.05, 0.05}, Pond{5 * dx, 0.1, 0.1, 0.3}}) {
+  for (const Pond& pond :
+       {Pond{5 * dx, 0.0, 0.05, 0.05}, Pond{2 * dx, 0.0, 0.05, 0.05}, Pond{5 * dx, 0.1, 0.15, 0.4}}) {
     Case scene = tank(pond.level);
     scene.fluid.jitter = pond.jitter;
     Fluid<2> fluid(scene);
