@@ -149,13 +149,15 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
 template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full,
                      bool loose_counts) {
-  if (tells_density(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone)
+  if (tells_density(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone) {
     if (const double below = depth<D>(s, a); below > 0.0) {
       // A lattice fills the missing side beyond the surface.
       static const double whole = lattice_density<D>();
       const double error = full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0;
       return loose_counts ? error : std::max(0.0, error);
     }
+    if (loose_counts && surface_plane<D>(s, a, false).weight == 0.0) return full - 1.0;  // far from any surface
+  }
   double excess = full - 1.0;
   // Near a surface the kernel is cut off: a deficit there is no packing error.
   if (excess < 0.0 && !s.covered[a])
