@@ -48,7 +48,7 @@ struct Particles {
   /// N/m3, added to the body force in the slope of the stress at frictional walls (wall_friction.hpp).
   VecArray<D> wall_slope;
   std::vector<PlateMotion<D>> plates;  ///< rigid plates that press on the particles
-  std::size_t held = 0;                ///< number of fixed particles; they come last
+  std::size_t held = 0;  ///< number of fixed particles; they come last
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   /// State variables of a particle. All rows have the length that the soil with the most state variables needs.
   [[nodiscard]] std::span<double> state_of(std::size_t i) {
@@ -168,8 +168,8 @@ struct ImageRule {
   Vec<D> shift = Vec<D>::Zero();
   Mat<D> velocity = Mat<D>::Identity();
   Mat<D> slip = Mat<D>::Zero();
-  bool slips = false;               ///< one of the walls passed is frictional
-  bool moves = false;               ///< one of the walls passed is a plate
+  bool slips = false;  ///< one of the walls passed is frictional
+  bool moves = false;  ///< one of the walls passed is a plate
   Vec<D> carried = Vec<D>::Zero();  ///< m/s, part of the image's velocity that is due to the motion of plates
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
