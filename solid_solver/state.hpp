@@ -324,13 +324,14 @@ using Kernels = std::vector<float>;
 template <int D>
 struct alignas(32) Grain {
   Vec<D> position = Vec<D>::Zero();
-  double volume = 0.0, initial = 0.0;  ///< m^D; initial: before any strain
-  double shown = 0.0;  ///< volume in sums over stresses: 0 for images behind walls, where the stress is unknown
-  double flows = 0.0, exchanging = 0.0;  ///< see Scratch
+  double volume = 0.0, mass = 0.0;
+  double shown = 0.0;    ///< volume in sums over stresses: 0 for images behind walls, where the stress is unknown
+  double swollen = 0.0;  ///< volume over mass
+  double flows = 0.0;    ///< see Scratch
   Eigen::Matrix<double, D == 2 ? 4 : 6, 1> stress = Eigen::Matrix < double, D == 2 ? 4 : 6, 1 > ::Zero();
   Eigen::Matrix<double, D == 2 ? 4 : 6, D> slope = Eigen::Matrix < double, D == 2 ? 4 : 6, D > ::Zero();
-  static constexpr std::size_t at_volume = D, at_initial = D + 1, at_shown = D + 2, at_flows = D + 3,
-                               at_exchanging = D + 4, at_stress = 8, at_slope = at_stress + (D == 2 ? 4 : 6);
+  static constexpr std::size_t at_volume = D, at_mass = D + 1, at_shown = D + 2, at_swollen = D + 3, at_flows = D + 4,
+                               at_stress = 8, at_slope = at_stress + (D == 2 ? 4 : 6);
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
@@ -346,11 +347,9 @@ template <int D>
 struct Scratch {
   std::vector<Quad> sums;     ///< of the loop over pairs that is running
   std::vector<char> touches;  ///< for slide_on_walls: 1 where a particle touches a wall
-  // For keep_flow_regular, of every particle:
-  ScalarArray flows;    ///< 1 where soil flows; where it yielded a little, minus the stress [Pa] that may be evened out
-  ScalarArray sheared;  ///< shear strain since the last correction
-  ScalarArray flowed;   ///< fraction of the full correction of the stress
-  ScalarArray exchanging;  ///< fraction of the full exchange of volume
+  ScalarArray yielded_since;  ///< for keep_flow_regular: plastic strain since its last correction
+  ScalarArray flows;          ///< for keep_flow_regular: 1 where soil flows; where it yielded a little, minus the
+                              ///< stress [Pa] that may be evened out. grains: also for keep_flow_regular
   std::vector<Grain<D>> grains;
   /// n sums for each of `count` particles, set to zero. They are valid until the next call.
   template <std::size_t n>

@@ -16,69 +16,45 @@ constexpr double full_weight = 3.5;
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// Whether a correction may change the particle.
+/// Sets Scratch::flows and yielded_since. After a step from equilibrium to equilibrium, soil that yielded a little
+/// counts, too; its plastic strain since the last call is used and stored.
 template <int D>
-bool changes(const State<D>& state, std::size_t i) {
-  return !state.near.pairs.skips(i) && !state.regions.sleeps(i);
-}
-
-template <int D>
-bool is_wet(const State<D>& state, std::size_t i) {
-  return state.external.coverage[i] > 0.5;
-}
-
-/// Sets what the correction of each particle is proportional to (Scratch: flows, sheared, flowed, exchanging). After a
-/// step from equilibrium to equilibrium, soil that yielded a little counts, too. The plastic strain since the last call
-/// is used and stored.
-template <int D>
-void see_what_yields(const Setup<D>& setup, double interval, bool in_equilibrium, State<D>& state) {
+void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state) {
   const Particles<D>& p = state.particles;
   const std::size_t n = p.size();
-  Scratch<D>& scratch = state.scratch;
-  scratch.flows.assign(n, 0.0);
+  ScalarArray& flows = state.scratch.flows;
+  flows.assign(n, 0.0);
   if (std::ranges::all_of(p.plastic_strain, [](double strain) { return strain <= 0.0; })) return;
-  scratch.sheared.assign(n, 0.0);
-  scratch.flowed.assign(n, 1.0);
-  scratch.exchanging.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i)
+    if (p.plastic_strain[i] > setup.flow_limit) flows[i] = 1.0;
   state.evened.resize(n, 0.0F);
-  parallel_for(n, [&](std::size_t i) {
+  ScalarArray& yielded = state.scratch.yielded_since;
+  yielded.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
     const auto strain = static_cast<float>(p.plastic_strain[i]);
-    const auto yielded = static_cast<double>(strain - state.evened[i]);
+    yielded[i] = static_cast<double>(strain - state.evened[i]);
     state.evened[i] = strain;
-    const double stiffness = moduli(setup, p, static_cast<Index>(i)).shear;
-    if (p.plastic_strain[i] <= setup.flow_limit) {
-      if (in_equilibrium && p.rubbing[i] <= 0.0F) scratch.flows[i] = -flow::evened_out * stiffness * yielded;
-      return;
-    }
-    scratch.flows[i] = 1.0;
-    scratch.sheared[i] = 2.0 * interval * root_j2(strain_rate<D>(state.nodes[i].gradient));
-    const double elastic = flow::renewing / stiffness * root_j2(p.stress[i]);
-    if (scratch.sheared[i] < elastic) scratch.flowed[i] = scratch.sheared[i] / elastic;
-    // The particles of rough walls stand for the wall: no volume of the soil passes into them.
-    if (i >= p.free() || !changes(state, i)) return;
-    // In wet soil, water fills the volume that the soil's motion leaves. Averaging this volume with particles that
-    // hardly yield would press water out of them or draw it in. Only the error of rows that slide past each other is
-    // evened out there, which is proportional to the plastic strain.
-    scratch.exchanging[i] = is_wet(state, i) ? std::min(1.0, yielded / flow::volume_renewing) : scratch.flowed[i];
-  });
+    if (in_equilibrium && flows[i] == 0.0 && p.rubbing[i] <= 0.0F)
+      flows[i] = -flow::evened_out * moduli(setup, p, i).shear * yielded[i];
+  }
 }
 
 /// Fills the packed data that the loops over pairs, four at a time, read.
 template <int D>
-void fill_grains(const Setup<D>& setup, const State<D>& state, Scratch<D>& scratch) {
+void fill_grains(const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
   scratch.grains.resize(state.nodes.size());
   auto fill = [&](std::size_t j) {
+    const Node<D>& node = state.nodes[j];
     Grain<D>& grain = scratch.grains[j];
     const ImageRule<D>* const image = j < p.size() ? nullptr : &state.near.images[j - p.size()];
     const std::size_t source = image ? image->parent : j;
-    const double swelling = image ? image->swelling : 1.0;
-    grain.position = state.nodes[j].position;
-    grain.volume = swelling * p.volume[source];
-    grain.initial = swelling * p.mass[source] / setup.density[p.material[source]];
+    grain.position = node.position;
+    grain.volume = node.volume;
+    grain.mass = node.volume * node.density;
     grain.shown = image && !image->periodic ? 0.0 : p.volume[source];
+    grain.swollen = p.volume[source] / p.mass[source];
     grain.flows = scratch.flows[source];
-    grain.exchanging = scratch.exchanging[source];
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
   parallel_for(p.size(), fill);  // also sleeping particles, since they act on others
@@ -138,8 +114,8 @@ void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
 }
 
 /// Kernel sums (see Around) for particles that flow or yielded a little: the departures of the stress from the linear
-/// fields of the neighbours. For flowing particles also the volume that the neighbours give, relative to the particle's
-/// own, the crowding and the coverage.
+/// fields of the neighbours. For flowing particles also the excess of the neighbours' volumes, the crowding and the
+/// coverage.
 template <int D>
 const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
   using G = Grain<D>;
@@ -185,8 +161,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
         contribution[A::at_cover] = head[G::at_volume] * value;
         theirs[A::at_cover] = self[G::at_volume] * value;
         for (std::size_t d = 0; d < D; ++d) {
-          contribution[A::at_crowding + d] = head[G::at_initial] * k * r[d];
-          theirs[A::at_crowding + d] = -self[G::at_initial] * k * r[d];
+          contribution[A::at_crowding + d] = head[G::at_mass] * k * r[d];
+          theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
         }
         if (any(together > 0.0)) {
           gather<G::at_stress, n_stress>(rows, other);
@@ -207,15 +183,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
             contribution[a] = they * unexplained[a];
             theirs[a] = -me * unexplained[a];
           }
-          // One of a pair gains the volume that the other loses. The particle that yielded less sets how much: the
-          // error that its yielding may have caused is the most by which it may be corrected.
-          Number exchange = head[G::at_exchanging];
-          min_in_place(exchange, Number{} + self[G::at_exchanging]);
-          const Number swollen = head[G::at_volume] / head[G::at_initial];
-          const double own_swollen = self[G::at_volume] / self[G::at_initial];
-          exchange *= 2.0 * (swollen - own_swollen) / (swollen + own_swollen);
-          contribution[A::at_swelling] = they * exchange;
-          theirs[A::at_swelling] = -me * exchange;
+          contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
+          theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
         }
         // Pairs of a particle with itself only pad the list.
         const Number real = distance > 0.0 ? Number{} + 1.0 : Number{};
@@ -235,14 +204,17 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
 /// Evens out stresses and volumes of a batch of particles, before the constitutive model is applied to the result.
 /// moves [m]: displacements that even out the packing.
 template <int D>
-void even_out(const Setup<D>& setup, const State<D>& state, const Sums<Around<D>::size>* sums, Batch& batch,
-              std::array<Quad, D>* moves) {
+void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
+              Batch& batch, std::array<Quad, D>* moves) {
   using A = Around<D>;
   const Particles<D>& p = state.particles;
   const Index soil = batch.soil;
-  std::array<Quad, Batch::most / n_lanes> bulk;
-  for (std::size_t k = 0; k < batch.n_fours() * n_lanes; ++k)
-    bulk[k / n_lanes].v[k % n_lanes] = moduli(setup, p, batch.who[k]).bulk;
+  std::array<Quad, Batch::most / n_lanes> bulk, stiffness_in_shear;
+  for (std::size_t k = 0; k < batch.n_fours() * n_lanes; ++k) {
+    const Elasticity elasticity = moduli(setup, p, batch.who[k]);
+    bulk[k / n_lanes].v[k % n_lanes] = elasticity.bulk;
+    stiffness_in_shear[k / n_lanes].v[k % n_lanes] = elasticity.shear;
+  }
   const double h = setup.smoothing_length, scale = h * h / full_weight, density = setup.density[soil];
   const double longest = flow::longest_move * setup.spacing;
   const double grains = setup.grain_share[soil] / setup.grain_density[soil];
@@ -252,28 +224,45 @@ void even_out(const Setup<D>& setup, const State<D>& state, const Sums<Around<D>
       const Index* const i = &batch.who[q * n_lanes];
       Four& four = batch.fours[q];
       four.duration = 0.0;
-      Lanes around[A::size], mass, volume, shear, flowed, flows, wet;
+      Lanes gradient[D * D], around[A::size], rate[6], mass, volume, coverage, shear, elastic;
+      gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
       gather<0, A::size>({sums[i[0]].x.data(), sums[i[1]].x.data(), sums[i[2]].x.data(), sums[i[3]].x.data()}, around);
       take_stresses(p.stress, i, four.stress);
       take_each(p.mass, i, mass);
       take_each(p.volume, i, volume);
+      take_each(state.external.coverage, i, coverage);
       take_each(state.external.saturation, i, four.saturation);
-      take_each(state.scratch.sheared, i, shear);
-      take_each(state.scratch.flowed, i, flowed);
-      take_each(state.scratch.flows, i, flows);
-      for (std::size_t l = 0; l < n_lanes; ++l) wet[l] = is_wet(state, i[l]) ? 1.0 : 0.0;
       const Lanes mean = (four.stress[0] + four.stress[1] + four.stress[2]) / 3.0;
+      strain_rate<D>(gradient, rate);
+      root_j2(rate, shear);
+      shear *= 2.0 * interval;
+      root_j2(four.stress, elastic);
+      elastic *= flow::renewing / stiffness_in_shear[q].v;
+      Lanes flows;
+      take_each(state.scratch.flows, i, flows);
       const LaneMask flowing = flows > 0.0;
+      const Lanes flowed = (flowing & (shear < elastic)) ? shear / elastic : Lanes{} + 1.0;
       for (int a = 0; a < n_components<D>; ++a) four.stress[a] += flow::stress_share * scale * flowed * around[a];
-      volume *= 1.0 + flow::volume_share * scale * around[A::at_swelling];
+      // In wet soil, water fills the volume that the soil's motion leaves. Averaging this volume with particles that
+      // hardly yield would press water out of them or draw it in. Only the error of rows that slide past each other is
+      // evened out there, and volumes are not taken from positions.
+      const LaneMask dry = coverage <= 0.5;
+      Lanes renewed;
+      take_each(state.scratch.yielded_since, i, renewed);
+      renewed /= flow::volume_renewing;
+      min_in_place(renewed, Lanes{} + 1.0);
+      renewed = dry ? flowed : renewed;
+      volume *= flowing ? 1.0 + flow::volume_share * scale * renewed * around[A::at_swelling] : Lanes{} + 1.0;
       const Lanes cover = around[A::at_cover] / setup.full_cover;
       Lanes* const crowding = &around[A::at_crowding];
       Lanes crowded{};
-      for (int d = 0; d < D; ++d) crowded += crowding[d] * crowding[d];
+      for (int d = 0; d < D; ++d) {
+        crowding[d] /= density;
+        crowded += crowding[d] * crowding[d];
+      }
       sqrt_in_place(crowded);
       const LaneMask inside = flowing & (crowded * h <= flow::surface) & (cover >= flow::inside_cover);
-      // In wet soil volumes are not taken from positions either: see see_what_yields.
-      volume *= inside & (wet == 0.0) ? 1.0 - flow::packing_share * (cover - 1.0) : Lanes{} + 1.0;
+      volume *= inside & dry ? 1.0 - flow::packing_share * (cover - 1.0) : Lanes{} + 1.0;
       Lanes strain = shear;
       min_in_place(strain, Lanes{} + flow::largest_strain);
       if (dilates) {
@@ -306,10 +295,10 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   state.since_upkeep = 0.0;
   Particles<D>& p = state.particles;
   Scratch<D>& scratch = state.scratch;
-  see_what_yields(setup, interval, in_equilibrium, state);
+  see_what_yields(setup, in_equilibrium, state);
   const auto& flows = scratch.flows;
   if (std::ranges::all_of(flows, [](double f) { return f == 0.0; })) return;
-  fill_grains<D>(setup, state, scratch);
+  fill_grains<D>(state, scratch);
   stress_slopes<D>(state, std::ranges::any_of(flows, [](double f) { return f < 0.0; }), scratch);
   const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
   const auto treated = [&](Index i) {
@@ -317,11 +306,11 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
     const auto* const around = sums[i].x.data();
     const bool evened =
         flows[i] > 0.0 || std::any_of(around, around + n_components<D>, [](double x) { return x != 0.0; });
-    return evened && changes(state, i);
+    return evened && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
   };
   for_batches(state, treated, [&](Batch& batch) {
     std::array<std::array<Quad, D>, Batch::most / n_lanes> moves;
-    even_out<D>(setup, state, sums, batch, moves.data());
+    even_out<D>(setup, interval, state, sums, batch, moves.data());
     follow_strains(setup, batch, p);  // returns the stress to the yield surface
     for (std::size_t k = 0; k < batch.count; ++k) {
       const Index i = batch.who[k];

@@ -1,5 +1,4 @@
 // Flowing soil: rough walls, periodic and symmetric sides, and the corrections that keep the flow regular.
-#include "common/particles/kernel.hpp"
 #include "scenes.hpp"
 #include "solid_solver/discretisation/rough_walls.hpp"
 #include "solid_solver/dynamics/flow_regularisation.hpp"
@@ -9,8 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <span>
 
 namespace poretwin::solid::test {
 namespace {
@@ -289,114 +286,6 @@ TEST(RegularFlow, EvensOutVolumesOfWetSoilByWhatItYields) {
   EXPECT_NEAR(evened(1.0, 1e-4F), 0.1 * in_full, 0.002 * in_full);
   EXPECT_LT(evened(1.0, 0.0F), 1e-12);
   EXPECT_GT(evened(0.0, 0.0F), 0.9 * in_full);  // dry soil, by what it shears
-}
-
-/// Wet soil on rough ground, in two layers of different density, with periodic sides along x and, in 3D, rollers along
-/// y. Particles have yielded by different amounts since the last correction, some of them not at all, and their volumes
-/// are off by up to 2 %.
-template <int D>
-struct UnevenVolumes {
-  Case scene = two_layers();
-  Setup<D> setup = set_up<D>(scene).first;
-  State<D> state = Solid<D>(scene).state();
-  ScalarArray share;  ///< of the full exchange
-
-  static Case two_layers() {
-    Case scene = layer(0.0, 0.0, D);
-    scene.soils.push_back(scene.soils[0]);
-    scene.soils[1].name = "loose";
-    scene.soils[1].porosity = 0.5;
-    scene.soils[0].shape.max[D - 1] = scene.soils[1].shape.min[D - 1] = 0.25;
-    if (D == 3) {
-      scene.general.periodic = {0};
-      for (const double y : {0.0, 0.4}) {
-        Wall side;
-        side.face = plane(y * Point3::UnitY(), (y > 0.0 ? -1.0 : 1.0) * Point3::UnitY());
-        side.soil = Wall::ForSoil::roller;
-        scene.walls.push_back(side);
-      }
-    }
-    return scene;
-  }
-
-  UnevenVolumes() {
-    auto& p = state.particles;
-    p.plastic_strain.assign(p.size(), 1.0);
-    state.external.coverage = ScalarArray(p.size(), 1.0);
-    state.evened.assign(p.size(), 1.0F);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      if (i % 5 > 0) state.evened[i] -= static_cast<float>(2e-4 * static_cast<double>(i % 7));
-      share.push_back(i < p.free() ? std::min(1.0, static_cast<double>(1.0F - state.evened[i]) / 0.001) : 0.0);
-      p.volume[i] *= 1.0 + 0.02 * std::sin(static_cast<double>(i * i));
-    }
-  }
-  /// Volume [m^D] of the soil, without the particles of rough walls.
-  [[nodiscard]] double volume() const {
-    const auto soil = std::span(state.particles.volume).first(state.particles.free());
-    return std::accumulate(soil.begin(), soil.end(), 0.0);
-  }
-  /// The volumes after a correction, pair by pair.
-  [[nodiscard]] ScalarArray expected() const {
-    const auto& p = state.particles;
-    const double h = setup.smoothing_length;
-    const auto swollen = [&](std::size_t i) { return p.volume[i] * setup.density[p.material[i]] / p.mass[i]; };
-    ScalarArray volume = p.volume;
-    for (std::size_t i = 0; i < p.size(); ++i)
-      for (std::size_t j = 0; j < p.size(); ++j)
-        for (const double shift : {-0.4, 0.0, 0.4}) {
-          if (i == j) continue;
-          const double r = (p.position[j] + shift * Vec<D>::UnitX() - p.position[i]).norm();
-          const double weight = -0.2 * h * h / 3.5 * sph::WendlandC2<D>::derivative_over_r(r, h);
-          volume[i] += std::min(share[i], share[j]) * weight * p.volume[i] * p.volume[j] * (swollen(j) - swollen(i)) /
-                       (0.5 * (swollen(j) + swollen(i)));
-        }
-    return volume;
-  }
-};
-
-template <int D>
-void expect_conserved_volume() {
-  UnevenVolumes<D> uneven;
-  auto& p = uneven.state.particles;
-  const ScalarArray before = p.volume, expected = uneven.expected();
-  const double whole = uneven.volume();
-  keep_flow_regular<D>(uneven.setup, 1.0, false, uneven.state);
-  EXPECT_NEAR(uneven.volume(), whole, 1e-14 * whole);
-  double largest = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    EXPECT_NEAR(p.volume[i], expected[i], 1e-8 * before[i]) << i;
-    if (uneven.share[i] == 0.0) {
-      EXPECT_EQ(p.volume[i], before[i]) << i;
-    }
-    largest = std::max(largest, std::abs(p.volume[i] / before[i] - 1.0));
-  }
-  EXPECT_GT(largest, 1e-3);
-}
-
-TEST(RegularFlow, PassesVolumeBetweenTwoParticlesWithoutLoss) {
-  expect_conserved_volume<2>();
-  expect_conserved_volume<3>();
-}
-
-TEST(RegularFlow, PassesNoVolumeToSoilThatSleeps) {
-  UnevenVolumes<2> uneven;
-  auto& p = uneven.state.particles;
-  uneven.state.regions.asleep.assign(p.size(), 0);
-  std::fill_n(uneven.state.regions.asleep.begin() + 30, 10, 1);
-  const ScalarArray before = p.volume;
-  const double whole = uneven.volume();
-  keep_flow_regular<2>(uneven.setup, 1.0, false, uneven.state);
-  EXPECT_NEAR(uneven.volume(), whole, 1e-14 * whole);
-  for (std::size_t i = 30; i < 40; ++i) EXPECT_EQ(p.volume[i], before[i]);
-}
-
-TEST(RegularFlow, LeavesTheVolumesOfTwoSoilsAsDrawn) {
-  UnevenVolumes<2> uneven;
-  auto& p = uneven.state.particles;
-  p.volume = Solid<2>(uneven.scene).state().particles.volume;
-  const ScalarArray before = p.volume;
-  keep_flow_regular<2>(uneven.setup, 1.0, false, uneven.state);
-  for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(p.volume[i], before[i], 1e-14 * before[i]);
 }
 
 TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
