@@ -81,9 +81,10 @@ void merge(std::size_t a, std::size_t b, Particles<D>& p) {
 }
 
 /// Unit vector in the direction in which the neighbours of particle a and its images behind walls are fewest: along the
-/// eigenvector of the least eigenvalue of their moment, sum F r r^T with F = -W'/r. Neighbours are those in reach of the
-/// kernel of half the volume; with all in reach of its own kernel a pond that rose from 5 to 9 rows was 0.3 spacings too
-/// high (0.01). Rows that grow are stretched, and particles that come into their wide gaps leave the packing even.
+/// eigenvector of the least eigenvalue of their moment, sum F r r^T with F = -W'/r. Neighbours are those in reach of
+/// the kernel of half the volume; with all in reach of its own kernel a pond that rose from 5 to 9 rows was 0.3
+/// spacings too high (0.01). Rows that grow are stretched, and particles that come into their wide gaps leave the
+/// packing even.
 template <int D>
 Vec<D> roomiest_direction(const Walls<D>& walls, std::size_t a, const Particles<D>& p) {
   const double h = points::smoothing_ratio * spacing_of<D>(p.volume[a]),
