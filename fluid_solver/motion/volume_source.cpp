@@ -156,7 +156,6 @@ double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil
       const double error = full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0;
       return loose_counts ? error : std::max(0.0, error);
     }
-    if (loose_counts && surface_plane<D>(s, a, false).weight == 0.0) return full - 1.0;  // far from any surface
   }
   double excess = full - 1.0;
   // Near a surface the kernel is cut off: a deficit there is no packing error.

@@ -4,8 +4,8 @@
 
 namespace poretwin::fluid::pressure {
 
-/// Relative residual at which the pressure solve ends where no water is in soil or over a bed. The front and the energy
-/// of a dam break are the same with 1e-4.
+/// Relative residual at which the pressure solve ends where no water is in soil. The front and the energy of a dam
+/// break are the same with 1e-4.
 /// Unit: 1. Test: FreeWater.DamBreakKeepsItsEnergy (untried).
 inline constexpr double free_water_tolerance = 1e-3;
 /// Lower bound of the solve's tolerance in soils of different conductivity. The tolerance is relative to the flow that

@@ -24,9 +24,7 @@ WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, do
   in.void_volume = state.particles.void_volume.values();
   in.closed_body = state.particles.closed_body.values();
   const auto& mask = state.particles.mask;
-  // Water over a bed is nearly at rest. What a coarse solve leaves of the divergence would become a pressure: single
-  // particles of a pond of 15 rows were off by a tenth of the head.
-  if (state.bed.empty() && setup.domain.all_of(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
+  if (setup.domain.all_of(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = pressure::free_water_tolerance;
   else
     in.tolerance = std::max(in.tolerance / setup.ground.contrast(), pressure::tightest_tolerance);
