@@ -215,7 +215,8 @@ class Shown:
             self.norm = matplotlib.colors.Normalize(0.0, 1.0)
         elif field == FACTOR:
             self.norm = matplotlib.colors.Normalize(*FACTORS)
-            below, above = low < FACTORS[0] - (YIELDS - 1.0), high > FACTORS[1]
+            # Without any value both ends are zero.
+            below, above = low < FACTORS[0] - (YIELDS - 1.0) and high > 0.0, high > FACTORS[1]
             self.extend = "both" if below and above else "min" if below else "max" if above else "neither"
         else:
             if high - low <= 1e-9 * largest:  # constant field: a bar from zero
