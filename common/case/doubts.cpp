@@ -376,8 +376,8 @@ class Doubts : Complaints {
     const double usual = CouplingCase{}.settled_below();
     if (!scene_.predicts() || c.scheme != CouplingCase::Scheme::iterated || c.settled_below() <= usual) return;
     doubt("coupling.tolerance",
-          fmt::format("{:g} of the weight may be missing in the balance of each row of soil after every window, and "
-                      "these errors add up: with 0.005 a pressure was wrong by 7 % of the load; expected {:g} or less",
+          fmt::format("{:g} of the weight may be missing in the soil's balance after every window, and the errors add "
+                      "up over the windows: with 0.005 a pressure was wrong by 7 % of the load; expected {:g} or less",
                       c.settled_below(), usual));
   }
 
