@@ -146,11 +146,14 @@ TEST(Bed, WhatTheGroundGivesComesIntoTheParticles) {
     for (int step = 1; step <= 320; ++step) {
       drain(fluid, time, 0.05 * step, q, 0.05);
       if (time > 1.0) worst = std::max(worst, head_error(fluid, pond.level, first_pressure));
-      if (step % 80 == 0)
+      if (step % 80 == 0) {
         EXPECT_NEAR(mean_head_before_bed(fluid), fluid.volume() / length, pond.level_tolerance * dx) << time;
+      }
     }
     EXPECT_LT(worst, pond.head_tolerance * dx);
-    if (pond.jitter == 0.0) EXPECT_NEAR(top_of(fluid) + 0.5 * dx, fluid.volume() / length, 0.15 * dx);
+    if (pond.jitter == 0.0) {
+      EXPECT_NEAR(top_of(fluid) + 0.5 * dx, fluid.volume() / length, 0.15 * dx);
+    }
     EXPECT_NEAR(fluid.volume() + film_of(fluid), first - q * length * 16.0, 1e-13);
     EXPECT_GT(fluid.state().particles.size(), particles + 20);  // 40 volumes came in: particles that grow divide
   }
