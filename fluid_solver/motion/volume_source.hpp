@@ -23,8 +23,7 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
                    double interval);
 
 /// Packing around particle a relative to a lattice's, minus 1. full: sum V W over that of a lattice, or the measure
-/// that replaces it in open water. loose_counts: in open water looseness counts in full,
-/// also within reach of a surface that is plane.
+/// that replaces it in open water. loose_counts: looseness counts in open water within reach of a surface, too.
 template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full,
                      bool loose_counts = false);
