@@ -31,7 +31,6 @@ class CapillaryFlow final : public FlowModel {
   [[nodiscard]] Content saturation(Index a) const override;
   [[nodiscard]] Content borne_head(Index a) const override;
   [[nodiscard]] double pressure_head(Index a) const override { return at_[a].head; }
-  [[nodiscard]] double variable_by_head(Index a) const override { return 1.0 / per_variable_[a]; }
   [[nodiscard]] Flow through(const Link& link) const override;
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
   [[nodiscard]] Inflow at_head(const Segment& segment, double pressure_head) const override;

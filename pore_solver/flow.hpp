@@ -67,8 +67,6 @@ class FlowModel {
   /// (or, where the cell is full, the hydraulic head) minus the point's elevation. It is negative where that level lies
   /// below the point.
   [[nodiscard]] virtual double pressure_head(Index a) const = 0;
-  /// Derivative of a point's variable with respect to its head [1/m; without capillarity 1].
-  [[nodiscard]] virtual double variable_by_head(Index a) const = 0;
   /// The flow from a to b.
   [[nodiscard]] virtual Flow through(const Link& link) const = 0;
   /// Inflow through a segment behind which still water stands up to an elevation `level` [m]. The part of the segment

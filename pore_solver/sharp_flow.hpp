@@ -26,7 +26,6 @@ class SharpFlow final : public FlowModel {
   [[nodiscard]] Content saturation(Index a) const override;
   [[nodiscard]] Content borne_head(Index a) const override;
   [[nodiscard]] double pressure_head(Index a) const override { return level_[a].value - network_.elevation[a]; }
-  [[nodiscard]] double variable_by_head(Index a) const override { return 1.0 / level_[a].slope; }
   [[nodiscard]] Flow through(const Link& link) const override;
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
   [[nodiscard]] Inflow at_head(const Segment& segment, double pressure_head) const override;

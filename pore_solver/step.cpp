@@ -2,7 +2,6 @@
 
 #include "common/geometry/shapes.hpp"
 #include "common/numerics/csr.hpp"
-#include "common/numerics/flow_preconditioner.hpp"
 #include "pore_solver/numerics/steps.hpp"
 #include "pore_solver/numerics/wells.hpp"
 
@@ -334,14 +333,11 @@ bool Stepper::solve(double interval, State& state) {
 }
 
 double Stepper::solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const {
-  ScalarArray by_head(matrix_.size(), 1.0);  // the unknown of a well, its level, is a head
-  for (std::size_t a = 0; a < network_.size(); ++a) by_head[a] = flow_->variable_by_head(static_cast<Index>(a));
-  FlowPreconditioner preconditioner(matrix_, by_head, steps::without_multigrid);
+  const Ilu0 factors(matrix_);
   const Domain domain;  // one process has the whole field
-  return static_cast<double>(flexible_gmres(
-                                 domain, [this](auto u, auto y) { matrix_.apply(u, y); },
-                                 [&preconditioner](auto r, auto z) { preconditioner.apply(r, z); }, right, x,
-                                 tolerance * domain.norm(right), steps::most_linear_iterations)
+  return static_cast<double>(flexible_gmres(domain, [this](auto u, auto y) { matrix_.apply(u, y); },
+                                            [&factors](auto r, auto z) { factors.apply(r, z); }, right, x,
+                                            tolerance * domain.norm(right), steps::most_linear_iterations)
                                  .iterations);
 }
 

@@ -61,11 +61,6 @@ inline constexpr double linear_residual = 1e-2;
 /// Residual at which the solve for the error of the heads ends, over its initial value.
 /// Unit: 1. Test: none known.
 inline constexpr double error_residual = 0.1;
-/// Iterations of a linear solve with incomplete factors alone; after them multigrid takes part. Its construction costs
-/// about as much as this number of iterations without it, so that a solve costs at most about twice as much as with the
-/// better of the two from the start.
-/// Unit: iterations. Test: none known.
-inline constexpr int without_multigrid = 8;
 /// Largest number of iterations in a linear solve; Newton's iteration continues with the result.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_linear_iterations = 100;
