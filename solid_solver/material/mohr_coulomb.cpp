@@ -2,7 +2,6 @@
 
 #include "solid_solver/material/local_factor.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -280,6 +279,20 @@ std::vector<StateVariable> MohrCoulomb::state_variables() const {
 }
 
 template <class In>
+[[gnu::always_inline]] inline void MohrCoulomb::soften(const typename In::Number& saturation,
+                                                       const typename In::Number* softened,
+                                                       typename In::Number& cohesion,
+                                                       typename In::Number& share) const {
+  using Number = typename In::Number;
+  cohesion_at<In>(soil_, saturation, cohesion);
+  share = Number{};
+  if (!softens_) return;
+  share = *softened / residual_strain_;
+  min_in_place(share, Number{} + 1.0);
+  cohesion *= 1.0 + share * cohesion_.by;
+}
+
+template <class In>
 [[gnu::always_inline]] inline void MohrCoulomb::follow(const typename In::Number& saturation,
                                                        const typename In::Number& void_ratio,
                                                        const typename In::Number* strain, typename In::Number* stress,
@@ -287,12 +300,9 @@ template <class In>
                                                        typename In::Number& plastic) const {
   using Number = typename In::Number;
   const Number zero{};
-  Number cohesion, sin_phi = zero + sin_phi_, cos_phi = zero + cos_phi_, sin_psi = zero + sin_psi_;
-  cohesion_at<In>(soil_, saturation, cohesion);
+  Number cohesion, share, sin_phi = zero + sin_phi_, cos_phi = zero + cos_phi_, sin_psi = zero + sin_psi_;
+  soften<In>(saturation, softened, cohesion, share);
   if (softens_) {
-    Number share = *softened / residual_strain_;
-    min_in_place(share, zero + 1.0);
-    cohesion *= 1.0 + share * cohesion_.by;
     sine<In>(friction_.from + share * friction_.by, sin_phi);
     sine<In>(dilation_.from + share * dilation_.by, sin_psi);
     cos_phi = 1.0 - sin_phi * sin_phi;
@@ -317,8 +327,8 @@ double MohrCoulomb::advance(Tensor& stress, const Tensor& strain, const Conditio
 
 double MohrCoulomb::local_factor(const Tensor& stress, const Condition& condition,
                                  std::span<const double> state) const {
-  const double share = softens_ ? std::min(1.0, state[0] / residual_strain_) : 0.0;
-  const double cohesion = cohesion_at(soil_, condition.saturation) * (1.0 + share * cohesion_.by);
+  double cohesion = 0.0, share = 0.0;
+  soften<InOnes>(condition.saturation, state.data(), cohesion, share);
   const auto [largest, smallest] = extreme_stresses(stress);
   const double factor = factor_to_yield(coulomb, cohesion, std::tan(friction_.from + share * friction_.by),
                                         0.5 * (largest - smallest), -0.5 * (largest + smallest));

@@ -33,6 +33,10 @@ class MohrCoulomb final : public ConstitutiveModel {
   struct Fall {
     double from, by;
   };
+  /// Cohesion [Pa], and how far the strength has fallen from its first to its residual value (0 to 1).
+  template <class In>
+  void soften(const typename In::Number& saturation, const typename In::Number* softened, typename In::Number& cohesion,
+              typename In::Number& share) const;
   template <class In>
   void follow(const typename In::Number& saturation, const typename In::Number& void_ratio,
               const typename In::Number* strain, typename In::Number* stress, typename In::Number* softened,
