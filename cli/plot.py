@@ -166,6 +166,11 @@ def view(points, margin):
     return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
 
 
+def arrows(below, above):
+    """The ends of a colour bar that are arrows, as matplotlib names them: those beyond which there are values."""
+    return "both" if below and above else "min" if below else "max" if above else "neither"
+
+
 class Shown:
     """One field of one phase at several steps, with one colour range and one section of the plane. `rare`: fraction of all values that may
     lie beyond either end of the colour range; otherwise one short extreme would leave no colours for the other frames."""
@@ -192,7 +197,7 @@ class Shown:
             ends = low, high
             low, high = np.quantile(np.concatenate(values), [rare, 1.0 - rare])
             lower, upper = view(np.vstack(points), 2.5 * self.dx)
-            self.extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((ends[0] < low, ends[1] > high), "neither")
+            self.extend = arrows(ends[0] < low, ends[1] > high)
         self.lower, self.upper = lower, upper
         if self.steps:
             self.colours(*((low, high) if low <= high else (0.0, 0.0)))
@@ -216,8 +221,7 @@ class Shown:
         elif field == FACTOR:
             self.norm = matplotlib.colors.Normalize(*FACTORS)
             # Without any value both ends are zero.
-            below, above = low < FACTORS[0] - (YIELDS - 1.0) and high > 0.0, high > FACTORS[1]
-            self.extend = "both" if below and above else "min" if below else "max" if above else "neither"
+            self.extend = arrows(low < FACTORS[0] - (YIELDS - 1.0) and high > 0.0, high > FACTORS[1])
         else:
             if high - low <= 1e-9 * largest:  # constant field: a bar from zero
                 low, high = min(low, 0.0), max(high, 0.0)
