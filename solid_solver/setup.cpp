@@ -315,7 +315,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
           scene.solid.initial_wave * sloshing_mode(scene.soils.front().shape, x, D).template head<D>();
     }
   particles.stress.assign(n, Tensor::Zero());
-  particles.viscous_stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   std::size_t remembered = 0;
   for (const auto& model : setup.models) remembered = std::max(remembered, model->state_size());
@@ -348,8 +347,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // These longer substeps resolve some waves poorly, which disturb the flow and reduce its friction: they are damped.
   if (setup.soft_edges) setup.stabilisers.bulk = points::bulk_viscosity * fastest * setup.spacing;
-  setup.stabilisers.spares_linear_flow = setup.regular_flow;
-  if (setup.regular_flow) setup.stabilisers.retardation = setup.stabilisers.artificial * setup.spacing / fastest;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
   setup.rest_substep = scene.solid.courant.value_or(steps::careful) * setup.spacing / fastest;

@@ -39,7 +39,6 @@ struct Particles {
   ScalarArray mass;                    ///< kg (2D: kg/m) of grains and residual water
   ScalarArray volume;                  ///< m^D, bulk volume V = m / (n_s rho_s)
   std::vector<Tensor> stress;          ///< Pa, effective, compression negative
-  std::vector<Tensor> viscous_stress;  ///< Pa, where soil flows: retardation time times the material's stress rate
   ScalarArray plastic_strain;          ///< accumulated equivalent deviatoric plastic strain
   std::vector<std::uint8_t> material;  ///< index of the soil
   ScalarArray material_state;          ///< state variables of the materials, one row per particle

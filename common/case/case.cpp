@@ -744,9 +744,7 @@ void declare(Keys& keys, SolidCase& s) {
                "moved against each other by as much."},
               not_negative());
   keys.number("artificial_viscosity", s.artificial_viscosity,
-              {"",
-               "alpha of Monaghan's artificial viscosity, which acts on particles that approach each other; where soil "
-               "flows it does not act on linear shear flow, and damps changes of the stress (docs/theory/soil.md)."},
+              {"", "alpha of Monaghan's artificial viscosity, which acts on particles that approach each other."},
               not_negative());
   keys.number("quadratic_viscosity", s.quadratic_viscosity,
               {"", "beta of Monaghan's artificial viscosity, of the term with the square of the speed of approach."},
@@ -764,8 +762,8 @@ void declare(Keys& keys, SolidCase& s) {
   keys.flag(
       "regular_flow", s.regular_flow,
       {"",
-       "Stress, density and packing of flowing soil are evened out, and artificial viscosity spares its linear flow "
-       "(docs/theory/soil.md); false: neither, to show what that is for."});
+       "Stress, density and packing of flowing soil are evened out (docs/theory/soil.md); false: they are not, to show "
+       "what that is for."});
   keys.number("hourglass_stiffness", s.hourglass_stiffness,
               {"",
                "Stiffness on the part of the displacement that is not linear around a particle, over the constrained "

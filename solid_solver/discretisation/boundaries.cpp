@@ -494,7 +494,7 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       edge_stiffness<D>(node.upper.data(), share);
       even += share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
-    node.flux.noalias() = (matrix_of<D>(p.stress[i] + p.viscous_stress[i]) + even * Mat<D>::Identity()) * node.correction();
+    node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
     node.hourglass_level = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
                            : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded + softness * root_j2(p.stress[i])
                                                                : Node<D>::flows;

@@ -170,7 +170,6 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
   const double quadratic = 0.5 * stabilisers.quadratic * h * h;
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
   const double step = stabilisers.step, clip = points::viscosity_softening * h * h;
-  const double spared = stabilisers.spares_linear_flow ? N::flows : -1.0;  // highest level whose linear flow is spared
   kernel.resize(pairs.index.size());
   for_rows(pairs, 0, pairs.size(), [&](Size i) { force[i] = {}; });
   const Vec<D>* const displaced = displacement.data();
@@ -185,7 +184,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
         const double* const self = pair.self;
         const double volume = self[N::at_volume], own_level = self[N::at_hourglass_level];
         const auto rows = pair.rows();
-        Number head[n_head], other[D * D], r[D], u[D], kr[D], linear[D];
+        Number head[n_head], other[D * D], r[D], u[D], kr[D];
         Number contribution[Own::size] = {};  // first the force with stiffness, then the viscous forces
         gather<0, n_head>(rows, head);
         Number squared{}, approach{}, k;
@@ -195,17 +194,6 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
           squared += r[d] * r[d];
           approach -= r[d] * u[d];
         }
-        gather<N::at_gradient, D * D>(rows, other);
-        for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
-        times<D>(other, r, linear);
-        const Number level =
-            head[N::at_hourglass_level] < own_level ? head[N::at_hourglass_level] : Number{} + own_level;
-        const Number rubbing =
-            head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Number{} + self[N::at_rubbing];
-        const MaskOf<decltype(pair)> rubs = rubbing > 0.0;
-        Number unexplained = approach;
-        leave_unexplained<D>(r, linear, unexplained);
-        approach = (rubs | (level > spared)) ? approach : points::artificial_in_flow * unexplained;
         max_in_place(approach, Number{});
         Number distance = squared;
         sqrt_in_place(distance);
@@ -220,6 +208,9 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
         const Number closing = approach / (squared + clip);  // 1/s
         const Number viscous = viscosity + quadratic * closing;
         Number resist = share * closing;
+        Number rubbing =
+            head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Number{} + self[N::at_rubbing];
+        const MaskOf<decltype(pair)> rubs = rubbing > 0.0;
         if (any(rubs)) {
           // Implicit in the velocities of the pair: an explicit force would make grains rebound that are close together
           // or have swollen.
@@ -242,11 +233,18 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, const
           resist *= viscous;
           for (Size d = 0; d < D; ++d) contribution[D + d] = -resist * r[d];
         }
+        const Number level =
+            head[N::at_hourglass_level] < own_level ? head[N::at_hourglass_level] : Number{} + own_level;
         if (own_level > N::flows) {
+          Number turned[D];
+          gather<N::at_gradient, D * D>(rows, other);
+          for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
+          times<D>(other, r, turned);
           const Number weight = level > N::flows ? control * share : Number{};
-          for (Size d = 0; d < D; ++d) contribution[D + d] += weight * (2.0 * u[d] - linear[d]);
+          for (Size d = 0; d < D; ++d) contribution[D + d] += weight * (2.0 * u[d] - turned[d]);
         }
         if (own_level > N::yielded) {
+          Number linear[D];
           gather<N::at_deformation, D * D>(rows, other);
           const auto theirs = pair.rows_of(
               [=](Index j) { return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data(); });

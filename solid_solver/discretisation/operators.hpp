@@ -24,29 +24,15 @@ struct Stabilisers {
   double held = points::hourglass_bound;
   double modulus = 0.0;                              ///< Pa, constrained modulus M
   double artificial = points::artificial_viscosity;  ///< alpha of Monaghan's artificial viscosity
-  /// Where both particles of a pair flow, artificial viscosity acts only on the part of their approach that their
-  /// linear velocity fields do not explain: it would act like friction (docs/theory/soil.md, "Artificial viscosity").
-  bool spares_linear_flow = true;
-  double retardation = 0.0;  ///< s, of the Kelvin-Voigt viscosity of soil that flows, see Particles::viscous_stress
-  double quadratic = 0.0;    ///< beta of Monaghan's artificial viscosity
-  double bulk = 0.0;         ///< m2/s, viscosity against changes of volume, away from surfaces (linear, Landshoff
-                             ///< 1955)
-  double artificial_stress = 0.0;                  ///< epsilon of the artificial stress in tension
+  double quadratic = 0.0;                            ///< beta of Monaghan's artificial viscosity
+  double bulk = 0.0;               ///< m2/s, viscosity against changes of volume, away from surfaces (linear, Landshoff
+                                   ///< 1955)
+  double artificial_stress = 0.0;  ///< epsilon of the artificial stress in tension
   double collision = points::collision_viscosity;  ///< alpha where grains that are apart collide; makes collisions
                                                    ///< inelastic
   double sound_speed = 0.0;                        ///< m/s
   double step = 0.0;                               ///< s, substep in which a collision must not throw particles back
 };
-
-/// Reduces the approach -r . v [m2/s] of two particles to the part that the velocity fields around them do not explain.
-/// It does not grow. r: distance vector [m]; linear: (L_a + L_b) r [m/s], with the velocity gradients L of both.
-template <int D, class Number>
-[[gnu::always_inline]] inline void leave_unexplained(const Number* r, const Number* linear, Number& approach) {
-  Number explained{};
-  for (int d = 0; d < D; ++d) explained -= 0.5 * r[d] * linear[d];
-  max_in_place(explained, Number{});
-  approach -= explained;
-}
 
 /// Inverse of a symmetric matrix whose eigenvalues below `floor` are raised to `floor`.
 template <int D>

@@ -3,9 +3,6 @@
 #include "solid_solver/discretisation/batch.hpp"
 #include "solid_solver/numerics/flow.hpp"
 
-#include <algorithm>
-#include <array>
-
 namespace poretwin::solid {
 namespace {
 
@@ -73,13 +70,8 @@ void strain(const Setup<D>& setup, double dt, double duration, State<D>& state) 
     const bool held = i >= p.free() && state.nodes[i].gradient.squaredNorm() == 0.0;
     return !held && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
   };
-  const double per_change = setup.stabilisers.retardation / dt;
-  std::fill(p.viscous_stress.begin(), p.viscous_stress.end(), Tensor::Zero());
   for_batches(state, strained, [&](Batch& batch) {
     follow<D>(setup, dt, duration, state, batch);
-    std::array<Tensor, Batch::most> before;  // Pa, turned with the soil
-    for (std::size_t k = 0; k < batch.count; ++k)
-      for (int c = 0; c < 6; ++c) before[k][c] = batch.fours[k / n_lanes].stress[c][k % n_lanes];
     follow_strains(setup, batch, p);
     const float friction = setup.loose_friction[batch.soil];
     for (std::size_t k = 0; k < batch.count; ++k) {
@@ -90,14 +82,9 @@ void strain(const Setup<D>& setup, double dt, double duration, State<D>& state) 
       const bool apart = friction > 0.0F && p.volume[i] > flow::loosest * p.mass[i] / setup.density[batch.soil];
       p.rubbing[i] = apart ? friction : 0.0F;
       for (int c = 0; c < 6; ++c) p.stress[i][c] = apart ? 0.0 : four.stress[c][lane];
-      if (four.plastic[lane] > 0.0) {
-        p.plastic_strain[i] += four.plastic[lane] / batch.stiffness[k / n_lanes].v[lane];
-        state.yielded[i] = 1;
-      }
-      if (apart || p.plastic_strain[i] <= setup.flow_limit) continue;
-      double share = 1.0;
-      edge_stiffness<D>(state.nodes[i].upper.data(), share);
-      for (int c = 0; c < 6; ++c) p.viscous_stress[i][c] = share * per_change * (four.stress[c][lane] - before[k][c]);
+      if (four.plastic[lane] <= 0.0) continue;
+      p.plastic_strain[i] += four.plastic[lane] / batch.stiffness[k / n_lanes].v[lane];
+      state.yielded[i] = 1;
     }
   });
 }

@@ -128,18 +128,11 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
     if (p.slip[i].isZero(0.0)) return;
     const double alpha = p.rubbing[i] > 0.0F ? setup.stabilisers.collision : setup.stabilisers.artificial;
     const double beta = p.rubbing[i] > 0.0F ? 0.0 : setup.stabilisers.quadratic;
-    const bool spares = setup.stabilisers.spares_linear_flow;
     double lift = 0.0;  // m/s2
     for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>& node, const Vec<D>& weight) {
       if (!image.slips) return;
       const Vec<D> r = state.nodes[i].position - node.position;
-      double approach = -r.dot(state.nodes[i].velocity - node.velocity);
-      if (spares && p.rubbing[i] <= 0.0F &&
-          std::min(state.nodes[i].hourglass_level, node.hourglass_level) <= Node<D>::flows) {
-        const Vec<D> linear = (state.nodes[i].gradient + node.gradient) * r;
-        leave_unexplained<D>(r.data(), linear.data(), approach);
-        approach *= points::artificial_in_flow;
-      }
+      const double approach = -r.dot(state.nodes[i].velocity - node.velocity);
       if (approach <= 0.0) return;
       const double closing = approach / (r.squaredNorm() + points::viscosity_softening * h * h);
       lift -= (alpha * setup.stabilisers.sound_speed + beta * h * closing) * h * closing * weight.dot(normal);

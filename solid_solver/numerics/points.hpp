@@ -35,14 +35,9 @@ inline constexpr double hourglass_bound = 0.003;
 /// Hourglass control is off where the plastic strain exceeds this value: it would brake the flow.
 /// Unit: 1. Test: none known.
 inline constexpr double flow_limit = 0.01;
-/// Coefficient alpha of Monaghan's artificial viscosity. In soil that flows also the retardation time of the
-/// Kelvin-Voigt viscosity, in units of the time in which a wave crosses one spacing.
-/// Unit: h times the speed of sound. Test: Retardation.ActsOnTheStressOfFlowingSoilThatChanges (untried).
+/// Coefficient alpha of Monaghan's artificial viscosity.
+/// Unit: h times the speed of sound. Test: none known.
 inline constexpr double artificial_viscosity = 0.1;
-/// Artificial viscosity between particles that flow, over that between others. It spares linear flow, so that more of it
-/// does not brake, and grains nudged on a slope come to rest sooner.
-/// Unit: 1. Test: none known.
-inline constexpr double artificial_in_flow = 1.5;
 /// Coefficient alpha of Monaghan's artificial viscosity where grains that are apart collide. It makes collisions
 /// inelastic.
 /// Unit: h times the speed of sound. Test: none known.

@@ -303,25 +303,6 @@ TEST(Stabilisers, LeaveUniformStrainRatesAlone) {
     EXPECT_LT(f.stabilising().norm(), 1e-6);  // relative to 1e3 kg/m3 x 60 m/s x 1/s / 0.05 m = 1e6
 }
 
-TEST(Stabilisers, LeaveLinearFlowAlone) {
-  ColumnSpec spec;
-  spec.base = Wall::ForSoil::none;
-  spec.sides = false;
-  auto [setup, state] = jittered<2>(spec, 0.1);
-  const auto largest = [&] {
-    set_velocity<2>(setup, state, [&](const Vec<2>& x) { return Vec<2>(Mat<2>{{-0.3, -0.7}, {0.2, 0.3}} * x); });
-    evaluate_forces(setup, state);
-    double most = 0.0;
-    for (const auto& f : state.force) most = std::max(most, f.stabilising().norm());
-    return most;  // 1e3 kg/m3 x 60 m/s x 1/s x 0.1 = 6e3 N/m3 where artificial viscosity acts on all approach
-  };
-  EXPECT_GT(largest(), 100.0) << "elastic";
-  std::fill(state.particles.plastic_strain.begin(), state.particles.plastic_strain.end(), 0.1);
-  EXPECT_LT(largest(), 1e-6);
-  setup.stabilisers.spares_linear_flow = false;
-  EXPECT_GT(largest(), 100.0);
-}
-
 /// A block without walls that deforms with the same gradient everywhere, its stresses zero.
 template <int D>
 std::pair<Setup<D>, State<D>> deforming_block(const Mat<D>& gradient, SolidCase::Model model) {
@@ -384,34 +365,6 @@ TEST(SoftEdges, CountAllOfThePlasticStrain) {
     EXPECT_GT(stiff.particles.plastic_strain[i], 1e-4);
     EXPECT_NEAR(state.particles.plastic_strain[i], stiff.particles.plastic_strain[i], 1e-15);
   }
-}
-
-// The part of a Kelvin-Voigt viscosity: the stress that a motion causes acts earlier by the retardation time. Soil that
-// flows with a constant stress does not feel it.
-TEST(Retardation, ActsOnTheStressOfFlowingSoilThatChanges) {
-  constexpr double retardation = 2e-4, dt = 1e-4;
-  const auto strained = [&](double plastic_strain, double pressure) {
-    auto [setup, state] = deforming_block<2>(Mat<2>{{0.0, 0.2}, {0.2, 0.0}}, SolidCase::Model::drucker_prager);
-    setup.stabilisers.retardation = retardation;
-    for (std::size_t i = 0; i < state.particles.size(); ++i) {
-      state.particles.plastic_strain[i] = plastic_strain;
-      state.particles.stress[i] << -pressure, -pressure, -pressure, 0.0, 0.0, 0.0;
-    }
-    strain<2>(setup, dt, dt, state);
-    return std::pair(std::move(setup), std::move(state));
-  };
-  const std::size_t inside = 60;
-  const auto [setup, elastic] = strained(0.1, 1e6);
-  const Tensor change = elastic.particles.stress[inside] + Tensor(1e6, 1e6, 1e6, 0.0, 0.0, 0.0);
-  const double share = share_at_edge(elastic, inside);
-  EXPECT_GT(change.norm(), 1.0);
-  EXPECT_LT((elastic.particles.viscous_stress[inside] - share * retardation / dt * change).norm(),
-            1e-9 * change.norm());
-  EXPECT_EQ(strained(0.005, 1e6).second.particles.viscous_stress[inside].norm(), 0.0) << "soil that does not flow";
-  auto [flowing_setup, flowing] = strained(0.1, 10.0);
-  for (int step = 0; step < 200; ++step) strain<2>(flowing_setup, dt, dt, flowing);
-  EXPECT_GT(root_j2(flowing.particles.stress[inside]), 1.0);
-  EXPECT_LT(flowing.particles.viscous_stress[inside].norm(), 1e-6 * root_j2(flowing.particles.stress[inside]));
 }
 
 TEST(BulkViscosity, ResistsChangesOfVolumeAlone) {

@@ -49,11 +49,9 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
       viscous +=
           0.5 * s.hourglass_viscosity * s.sound_speed * h * (hourglass_level > Node<D>::flows ? share : 0.0) * rest;
+      if (u.dot(r) >= 0.0) continue;
       const double rubbing = std::max(a.rubbing, b.rubbing);
-      const bool spared = s.spares_linear_flow && rubbing <= 0.0 && hourglass_level <= Node<D>::flows;
-      const double along_line = spared ? 1.5 * std::max(u.dot(r), rest.dot(r)) : u.dot(r);
-      if (along_line >= 0.0) continue;
-      const double closing = -along_line / (r.squaredNorm() + 0.01 * h * h);
+      const double closing = -u.dot(r) / (r.squaredNorm() + 0.01 * h * h);
       const double collision = s.collision * s.sound_speed * h;
       const double stop = -0.5 * s.step * collision * derivative * (a.density + b.density) *
                           (a.volume / b.density + b.volume / a.density);
