@@ -214,7 +214,10 @@ int verify(const VerifyOptions& options, JsonOutput& json) {
     results.push_back(verdict.json);
     passed = passed && verdict.passed;
     if (json.wanted()) json.write(all ? results : results.front());
-    if (verdict.stopped) return interrupted;
+    if (verdict.stopped) {
+      fmt::print(stderr, "{}: interrupted; the cases and runs that were to come are not judged\n", name);
+      return interrupted;
+    }
   }
   if (!options.report.empty()) {
     fs::create_directories(options.report);
