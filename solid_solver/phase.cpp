@@ -1,6 +1,7 @@
 #include "solid_solver/phase.hpp"
 
 #include "common/case/gauge_kinds.hpp"
+#include "common/core/error.hpp"
 #include "solid_solver/exchange/publication.hpp"
 #include "solid_solver/output/gauges.hpp"
 #include "solid_solver/output/report.hpp"
@@ -20,12 +21,18 @@ namespace poretwin::solid {
 using namespace coupling;  // NOLINT: the names of the contract
 
 template <int D>
-Solid<D>::Solid(const Case& scene, const Domain& domain) : digest_(scene.digest()) {
-  auto [setup, particles] = set_up<D>(scene, domain);
-  setup_ = std::move(setup);
-  if (setup_.coupling.coupled) quasi_static_ = QuasiStaticWindow<D>(particles.position);
-  state_ = laid_out(setup_, std::move(particles));
+Solid<D>::Solid(const Case& scene, std::pair<Setup<D>, Particles<D>> made)
+    : digest_(scene.digest()), setup_(std::move(made.first)) {
+  if (setup_.coupling.coupled) quasi_static_ = QuasiStaticWindow<D>(made.second.position);
+  state_ = laid_out(setup_, std::move(made.second));
 }
+
+template <int D>
+Solid<D>::Solid(const Case& scene, const Domain& domain) : Solid(scene, set_up<D>(scene, domain)) {}
+
+template <int D>
+Solid<D>::Solid(const Case& scene, std::shared_ptr<Tiling<D>> tiling)
+    : Solid(scene, set_up<D>(scene, std::move(tiling))) {}
 
 template <int D>
 void Solid<D>::initialise(const Inbox& inbox) {
@@ -81,6 +88,8 @@ void Solid<D>::restore() {
 
 template <int D>
 void Solid<D>::archive(Archive& archive) {
+  if (setup_.tiling)
+    throw Error(ExitCode::failure, "checkpoints of soil that several ranks share are not possible yet");
   archive(state_, rest_, safety_);
   cache_.forget();
 }
@@ -111,9 +120,8 @@ OutputFrame Solid<D>::frame() const {
     frame.fields.push_back(
         {{"failing_strain", "1",
           "plastic strain of the soil that fails, its strength divided by the factor of safety that was read last", 1},
-         tell_scalars([this](std::size_t i) {
-           return i < safety_.failing_strain.size() ? safety_.failing_strain[i] : 0.0;
-         })});
+         tell_scalars(
+             [this](std::size_t i) { return i < safety_.failing_strain.size() ? safety_.failing_strain[i] : 0.0; })});
   return frame;
 }
 

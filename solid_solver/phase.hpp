@@ -13,6 +13,8 @@ class Solid final : public Phase {
  public:
   /// domain: the part of the soil that this process computes; the case contains only this part's soils.
   explicit Solid(const Case& scene, const Domain& domain = {});
+  /// One of several ranks that share the soil of the case. Frames, gauges and counters are of this rank's particles.
+  Solid(const Case& scene, std::shared_ptr<Tiling<D>> tiling);
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;
@@ -33,6 +35,8 @@ class Solid final : public Phase {
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:
+  Solid(const Case& scene, std::pair<Setup<D>, Particles<D>> made);
+
   std::string digest_;  ///< of the case
   Setup<D> setup_;
   State<D> state_, saved_;

@@ -4,6 +4,7 @@
 #include "common/core/error.hpp"
 #include "common/geometry/loaded_part.hpp"
 #include "common/geometry/pieces.hpp"
+#include "common/geometry/thin_walls.hpp"
 #include "common/media/seepage.hpp"
 #include "solid_solver/discretisation/rough_walls.hpp"
 #include "solid_solver/material/cone.hpp"
@@ -41,15 +42,8 @@ void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Part
   std::vector<Index> order(particles.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::stable_sort(order, {}, slice);
-  const auto sort = [&](auto& array) {
-    auto sorted = array;
-    for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = array[order[i]];
-    array = std::move(sorted);
-  };
-  sort(particles.position);
-  sort(particles.mass);
-  sort(particles.volume);
-  sort(particles.material);
+  ParticleArrays arrays;
+  arrays.add(particles.position).add(particles.mass).add(particles.volume).add(particles.material).reorder(order);
 }
 
 /// Whether no surface of the soil carries stress: grains without cohesion and without loads, on rough walls (with rows
@@ -194,6 +188,29 @@ void attach_load(const Case& scene, std::size_t which, double reach, double marg
         fmt::format("load \"{}\": no soil particle lies within {:.4g} m of its face; move the face to the soil's "
                     "surface",
                     load.name, reach));
+}
+
+/// Refuses what several ranks that share the soil cannot compute.
+void expect_possible_on_ranks(const Case& scene) {
+  const auto refuse = [](bool found, std::string_view what, std::string_view instead) {
+    if (found)
+      throw CaseError(
+          fmt::format("several ranks cannot share this soil yet: {}; {}, or run the case on one rank", what, instead));
+  };
+  refuse(scene.coupled() || !scene.pore_pressures.empty(), "water acts on it", "leave out the water");
+  refuse(scene.solid.initial_rest, "its rest before time zero is searched for", "set solid.initial_rest = false");
+  refuse(!scene.loads.empty(), "[[load]]: loads act on it", "leave out the loads");
+  refuse(!scene.plates.empty(), "[[plate]]: plates press on it", "leave out the plates");
+  refuse(std::ranges::any_of(scene.gauges, [](const Gauge& gauge) { return gauge.phase == "solid"; }),
+         "[[gauge]]: gauges read it", "leave out the gauges");
+  refuse(scene.solid.artificial_stress > 0.0, "solid.artificial_stress is above 0", "set it to 0");
+  for (const Wall& wall : scene.walls) {
+    if (wall.soil == Wall::ForSoil::none) continue;
+    const std::string name = fmt::format("[[wall]] \"{}\" ", wall.name);
+    refuse(wall.shape.has_value(), name + "has a shape", "draw it by lines or planes");
+  }
+  refuse(sight_matters(scene, Keeps::soil), "a [[wall]] is a line with soil on both sides",
+         "let soil lie on one side of it");
 }
 
 }  // namespace
@@ -364,6 +381,14 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
 }
 
 template <int D>
+std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, std::shared_ptr<Tiling<D>> tiling) {
+  expect_possible_on_ranks(scene);
+  auto made = set_up<D>(scene, Domain(tiling->ranks(), 0, 0));
+  made.first.tiling = std::move(tiling);
+  return made;
+}
+
+template <int D>
 void expect_bearable_pressure(const Setup<D>& setup, const Particles<D>& particles) {
   if (std::ranges::none_of(setup.stiffens, [](char stiffens) { return stiffens != 0; })) return;
   for (std::size_t i = 0; i < particles.size(); ++i) {
@@ -385,5 +410,7 @@ template Setup<2> weaker<2>(const Setup<2>&, double);
 template Setup<3> weaker<3>(const Setup<3>&, double);
 template std::pair<Setup<2>, Particles<2>> set_up<2>(const Case&, const Domain&);
 template std::pair<Setup<3>, Particles<3>> set_up<3>(const Case&, const Domain&);
+template std::pair<Setup<2>, Particles<2>> set_up<2>(const Case&, std::shared_ptr<Tiling<2>>);
+template std::pair<Setup<3>, Particles<3>> set_up<3>(const Case&, std::shared_ptr<Tiling<3>>);
 
 }  // namespace poretwin::solid

@@ -3,6 +3,7 @@
 
 #include "common/media/seepage.hpp"
 #include "common/particles/domain.hpp"
+#include "common/particles/tiling.hpp"
 #include "solid_solver/discretisation/boundaries.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 #include "solid_solver/discretisation/plates.hpp"
@@ -74,15 +75,18 @@ struct InitialRest {
 
 template <int D>
 struct Setup {
-  Domain domain;                  ///< the part of the soil that this process computes
-  double spacing = 0.0;           ///< m
-  double smoothing_length = 0.0;  ///< m
-  double full_cover = 1.0;        ///< sum V W in soil on its initial lattice
-  double skin = 0.0;              ///< m, margin of the pair lists: valid until a particle has moved by half of it
-  std::size_t parts = 1;          ///< parts of the particles that threads share: as many on every machine
-  bool can_yield = false;         ///< some soil of the case can yield
-  bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
-  bool soft_edges = false;        ///< soil at surfaces that carry no stress is less stiff, which allows longer substeps
+  Domain domain;  ///< the part of the soil that this process computes; how many particles and copies
+                  ///< it has changes with time and stands in Particles
+  std::shared_ptr<Tiling<D>> tiling;  ///< the tiles of the ranks that share the soil; null: this process has all of its
+                                      ///< bodies to itself
+  double spacing = 0.0;               ///< m
+  double smoothing_length = 0.0;      ///< m
+  double full_cover = 1.0;            ///< sum V W in soil on its initial lattice
+  double skin = 0.0;                  ///< m, margin of the pair lists: valid until a particle has moved by half of it
+  std::size_t parts = 1;              ///< parts of the particles that threads share: as many on every machine
+  bool can_yield = false;             ///< some soil of the case can yield
+  bool regular_flow = true;           ///< see dynamics/flow_regularisation.hpp
+  bool soft_edges = false;  ///< soil at surfaces that carry no stress is less stiff, which allows longer substeps
   double flow_limit = points::flow_limit;  ///< plastic strain above which hourglass control is off: it would brake the
                                            ///< flow
   double inertia_share = 0.5;              ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
@@ -164,5 +168,9 @@ Setup<D> weaker(const Setup<D>& setup, double factor);
 /// Setup of a case, and particles on the lattices of its soils. Throws CaseError when no particle lies in any soil.
 template <int D>
 std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain = {});
+/// For one of several ranks that share the soil: all its particles, of which laid_out() keeps this rank's share. Throws
+/// CaseError where the case has what several ranks cannot compute.
+template <int D>
+std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, std::shared_ptr<Tiling<D>> tiling);
 
 }  // namespace poretwin::solid

@@ -5,6 +5,7 @@
 #include "common/core/lanes.hpp"
 #include "common/core/or_zero.hpp"
 #include "common/core/vector.hpp"
+#include "common/particles/particle_arrays.hpp"
 #include "solid_solver/discretisation/pairs.hpp"
 #include "solid_solver/material/stress.hpp"
 #include "solid_solver/numerics/points.hpp"
@@ -30,7 +31,20 @@ struct PlateMotion {
   double pulls = 0.0;                    ///< counter: windows at whose end the plate pulled
 };
 
-/// The real particles: first the particles that are free to move, then the fixed particles behind rough walls.
+/// Which particles of the whole run this rank has, where several ranks share the soil (discretisation/ranks.hpp).
+/// Checkpoints of several ranks are refused, so that nothing of it is stored.
+struct RankShare {
+  std::vector<GlobalId> ids;  ///< of this rank's particles, ascending; empty where one rank has all
+  GlobalId first_held = 0;    ///< the fixed particles have the ids from here on
+  std::size_t copies = 0;     ///< number of copies of other ranks' particles
+  std::vector<char> at_rest;  ///< [copies] 1: the copy is of a fixed or a sleeping particle
+  void archive(Archive&) {}
+};
+
+/// The real particles: first the particles that are free to move, then the fixed particles behind rough walls. Where
+/// several ranks share the soil, these are the rank's own. In the arrays that the computation of neighbours and images
+/// reads (position, displacement, velocity, mass, stress, plastic_strain and those of slip) the copies of other ranks'
+/// particles stand behind them.
 template <int D>
 struct Particles {
   VecArray<D> position;                ///< m
@@ -48,8 +62,10 @@ struct Particles {
   /// N/m3, added to the body force in the slope of the stress at frictional walls (wall_friction.hpp).
   VecArray<D> wall_slope;
   std::vector<PlateMotion<D>> plates;  ///< rigid plates that press on the particles
-  std::size_t held = 0;  ///< number of fixed particles; they come last
-  [[nodiscard]] std::size_t size() const { return mass.size(); }
+  std::size_t held = 0;                ///< number of fixed particles; they come after the free ones
+  RankShare share;
+  [[nodiscard]] std::size_t size() const { return mass.size() - share.copies; }
+  [[nodiscard]] std::size_t with_copies() const { return mass.size(); }
   /// State variables of a particle. All rows have the length that the soil with the most state variables needs.
   [[nodiscard]] std::span<double> state_of(std::size_t i) {
     const std::size_t each = material_state.size() / size();
@@ -59,7 +75,7 @@ struct Particles {
     const std::size_t each = material_state.size() / size();
     return {material_state.data() + i * each, each};
   }
-  [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< particles free to move; they come first
+  [[nodiscard]] std::size_t free() const { return size() - held; }  ///< particles free to move; they come first
 };
 
 /// The symmetric matrix whose upper triangle, diagonal included, is given by consecutive columns.
@@ -163,13 +179,13 @@ struct BehindCurved {
 /// wall slip s along frictional walls; (sigma B)' = velocity (sigma B) map^T.
 template <int D>
 struct ImageRule {
-  Index parent = 0;
+  Index parent = 0;  ///< a real particle or a copy
   Mat<D> map = Mat<D>::Identity();
   Vec<D> shift = Vec<D>::Zero();
   Mat<D> velocity = Mat<D>::Identity();
   Mat<D> slip = Mat<D>::Zero();
-  bool slips = false;  ///< one of the walls passed is frictional
-  bool moves = false;  ///< one of the walls passed is a plate
+  bool slips = false;               ///< one of the walls passed is frictional
+  bool moves = false;               ///< one of the walls passed is a plate
   Vec<D> carried = Vec<D>::Zero();  ///< m/s, part of the image's velocity that is due to the motion of plates
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
@@ -203,8 +219,8 @@ struct PlatePairs {
   Pairs pairs;
 };
 
-/// Pairs of real particles and images within range of each other. They are valid while displacements are below half the
-/// skin.
+/// Pairs of real particles, copies of other ranks' particles, and images within range of each other. They are valid
+/// while displacements are below half the skin.
 template <int D>
 struct Neighbourhood {
   /// Positions of the real particles when the lists were built [m]. In single precision they are exact to 0.006
@@ -346,7 +362,7 @@ struct Around {
 template <int D>
 struct Scratch {
   std::vector<Quad> sums;     ///< of the loop over pairs that is running
-  std::vector<char> touches;  ///< for slide_on_walls: 1 where a particle touches a wall
+  ScalarArray touches;        ///< for slide_on_walls: 1 where a particle or a copy touches a wall
   ScalarArray yielded_since;  ///< for keep_flow_regular: plastic strain since its last correction
   ScalarArray flows;          ///< for keep_flow_regular: 1 where soil flows; where it yielded a little, minus the
                               ///< stress [Pa] that may be evened out. grains: also for keep_flow_regular
@@ -373,7 +389,7 @@ struct State {
   std::uint64_t revision = 1;
   Particles<D> particles;
   Neighbourhood<D> near;
-  std::vector<Node<D>> nodes;   ///< of the real particles, then of the images
+  std::vector<Node<D>> nodes;   ///< of the real particles, then of the copies, then of the images
   Kernels kernel;               ///< at the current positions
   VecArray<D> body;             ///< N/m3, distributed forces that act at present (weight, water), without tractions
   std::vector<Force<D>> force;  ///< of the current state; zero on fixed particles

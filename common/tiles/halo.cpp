@@ -26,16 +26,18 @@ std::vector<T> values_of(const Bytes& bytes) {
 
 template <int D>
 HaloPlan find_halo(const Communicator& all, std::span<const Vec<D>> x, std::span<const GlobalId> ids, double reach,
-                   std::span<const Vec<D>> shifts) {
+                   std::span<const Vec<D>> shifts, std::span<const Vec<D>> views) {
   const auto n_ranks = static_cast<std::size_t>(all.size());
-  // What the particles of each rank occupy; without particles, a box that nothing is near.
+  VecArray<D> seen_from(x.begin(), x.end());
+  seen_from.insert(seen_from.end(), views.begin(), views.end());
+  // What these places of each rank occupy; without any, a box that nothing is near.
   constexpr double infinity = std::numeric_limits<double>::infinity();
   struct Occupied {
     std::array<double, D> lower, upper;
   } own;
   own.lower.fill(infinity);
   own.upper.fill(-infinity);
-  for (const auto& place : x)
+  for (const auto& place : seen_from)
     for (std::size_t d = 0; d < D; ++d) {
       own.lower[d] = std::min(own.lower[d], place[static_cast<int>(d)]);
       own.upper[d] = std::max(own.upper[d], place[static_cast<int>(d)]);
@@ -74,7 +76,7 @@ HaloPlan find_halo(const Communicator& all, std::span<const Vec<D>> x, std::span
 
   // Then by particles: it takes those that are within reach of its own, and says which.
   sph::CellGrid<D> grid;
-  if (!x.empty()) grid.build(x, reach);
+  if (!seen_from.empty()) grid.build(seen_from, reach);
   std::vector<Bytes> answers(n_ranks);
   std::vector<std::size_t> received(n_ranks);
   for (std::size_t r = 0; r < n_ranks; ++r) {
@@ -104,8 +106,8 @@ HaloPlan find_halo(const Communicator& all, std::span<const Vec<D>> x, std::span
 }
 
 template HaloPlan find_halo(const Communicator&, std::span<const Vec<2>>, std::span<const GlobalId>, double,
-                            std::span<const Vec<2>>);
+                            std::span<const Vec<2>>, std::span<const Vec<2>>);
 template HaloPlan find_halo(const Communicator&, std::span<const Vec<3>>, std::span<const GlobalId>, double,
-                            std::span<const Vec<3>>);
+                            std::span<const Vec<3>>, std::span<const Vec<3>>);
 
 }  // namespace poretwin::tiles

@@ -14,10 +14,12 @@ namespace poretwin::tiles {
 /// particles move, `reach` is the radius of the search plus the skin; the halo then holds as long as the lists do
 /// (lists_outdated()). `shifts`: translations [m] of periodic sides, each in both directions; particles whose shifted
 /// place is within reach belong to the halo, too. Images at plane mirrors need no more than that: an image of a
-/// particle is never nearer to a point on the inner side than the particle itself.
+/// particle is never nearer to a point on the inner side than the particle itself. For a point on the outer side,
+/// beyond the end of a wall, it may be: `views` are further places [m] around which this rank needs the particles
+/// within reach.
 template <int D>
 [[nodiscard]] HaloPlan find_halo(const Communicator& all, std::span<const Vec<D>> x, std::span<const GlobalId> ids,
-                                 double reach, std::span<const Vec<D>> shifts = {});
+                                 double reach, std::span<const Vec<D>> shifts = {}, std::span<const Vec<D>> views = {});
 
 /// Whether any particle of any rank has moved by more than half of `skin` [m] since the lists were made, at the places
 /// `at` [n]; x [n]: where this rank's particles are now. Two particles that have both moved by less were within the

@@ -1,46 +1,12 @@
 // Particles go to the rank that owns their place.
 #pragma once
 
+#include "common/particles/particle_arrays.hpp"
 #include "common/tiles/communicator.hpp"
 
-#include <Eigen/Core>
-
-#include <concepts>
-#include <functional>
 #include <span>
-#include <type_traits>
 
 namespace poretwin::tiles {
-
-/// Number of a particle in the whole run, the same on whichever rank it is.
-using GlobalId = std::uint64_t;
-
-/// Types whose bytes are their value. Eigen's vectors of fixed size are, although they have constructors.
-template <class T>
-concept Plain = std::is_trivially_copyable_v<T> ||
-    (std::derived_from<T, Eigen::PlainObjectBase<T>>&& T::SizeAtCompileTime > 0);
-
-/// The arrays of a rank's particles that go with them, declared once. The arrays must outlive this.
-class ParticleArrays {
- public:
-  /// An array with `each` entries per particle, those of one particle together.
-  template <class T, class Allocator>
-  requires Plain<T> ParticleArrays& add(std::vector<T, Allocator>& array, std::size_t each = 1) {
-    arrays_.push_back({each * sizeof(T), [&array] { return std::as_writable_bytes(std::span(array)); },
-                       [&array, each](std::size_t particles) { array.resize(particles * each); }});
-    return *this;
-  }
-  /// One array of those above: bytes per particle, all bytes, and how its length is set.
-  struct Array {
-    std::size_t each;
-    std::function<std::span<std::byte>()> bytes;
-    std::function<void(std::size_t)> resize;
-  };
-  [[nodiscard]] std::span<const Array> arrays() const { return arrays_; }
-
- private:
-  std::vector<Array> arrays_;
-};
 
 /// How many particles left this rank and came to it.
 struct Migrated {

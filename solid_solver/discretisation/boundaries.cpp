@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "common/geometry/thin_walls.hpp"
+#include "solid_solver/discretisation/ranks.hpp"
 #include "solid_solver/dynamics/wall_friction.hpp"
 
 #include <fmt/format.h>
@@ -419,7 +420,7 @@ template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
   near.built_at.resize(particles.size());
-  near.lower = near.upper = particles.position.front();
+  near.lower = near.upper = particles.size() > 0 ? particles.position.front() : Vec<D>(Vec<D>::Zero());
   for (std::size_t i = 0; i < particles.size(); ++i) {
     near.built_at[i] = particles.position[i].template cast<float>();
     near.lower = near.lower.cwiseMin(particles.position[i]);
@@ -469,20 +470,22 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   }
   std::span<const Index> originals;
   if (boundaries.surfaces) originals = images.parent;
-  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs);
+  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs,
+             particles.share.at_rest);
   if (thin) hide_behind_walls<D>(boundaries.sight, range, particles.size(), sources, images, near.pairs);
   if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
   list_plate_pairs(particles.plates.size(), near);
 }
 
 template <int D>
-void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, const OrZero<double>& backing,
-                double flow_limit, const Stabilisers& stabilisers, std::vector<Node<D>>& nodes) {
+void fill_nodes(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, VecArray<D>& body,
+                const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
+                std::vector<Node<D>>& nodes) {
   const double stiffness = stabilisers.hourglass_stiffness * stabilisers.modulus;
   const double softness = stiffness > 0.0 ? stabilisers.held / stiffness : 0.0;
-  const std::size_t n = p.size();
+  const std::size_t n = p.with_copies();
   nodes.resize(n + near.images.size());
-  for_rows(near.pairs, 0, n, [&](std::size_t i) {
+  for_rows(near.pairs, 0, p.size(), [&](std::size_t i) {
     Node<D>& node = nodes[i];
     node.position = p.position[i];
     node.velocity = p.velocity[i];
@@ -500,6 +503,12 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
                                                                : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
+  fill_copies(domain, std::span(nodes).first(n));
+  for (auto* vectors : {&p.velocity, &p.displacement, &body}) fill_copies(domain, std::span(*vectors));
+  if (domain.any(!p.slip.empty()))  // a rank without particles cannot tell by itself whether walls are frictional
+    for (auto* slips : {&p.slip, &p.slipped, &p.wall_slope}) fill_copies(domain, std::span(*slips));
+  fill_copies(domain, std::span(p.stress));
+  fill_copies(domain, std::span(p.plastic_strain));
   parallel_for(near.behind_curved.size(), [&](std::size_t k) {
     ImageRule<D>& rule = near.images[near.behind_curved[k].image];
     turn_with_parent<D>(p.position[rule.parent], near.behind_curved[k], rule);
@@ -552,10 +561,13 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
 }
 
 template <int D>
-void fill_velocities(const Particles<D>& p, Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
-  const std::size_t n = p.size();
+void fill_velocities(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+  const std::size_t n = p.with_copies();
   carry_images(p.plates, near);
-  for_rows(near.pairs, 0, n, [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
+  fill_copies(domain, std::span(p.velocity));
+  if (domain.any(!p.slip.empty())) fill_copies(domain, std::span(p.slip));
+  for_rows(near.pairs, 0, p.size(), [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
+  for (std::size_t j = p.size(); j < n; ++j) nodes[j].velocity = p.velocity[j];
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     const ImageRule<D>& rule = near.images[k];
     nodes[n + k].velocity = rule.moved(p.velocity[rule.parent], p.slip) + rule.carried;
@@ -578,11 +590,11 @@ template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, 
                                      std::span<const char>, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
                                      std::span<const char>, Neighbourhood<3>&);
-template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, const OrZero<double>&, double,
-                            const Stabilisers&, std::vector<Node<2>>&);
-template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, const OrZero<double>&, double,
-                            const Stabilisers&, std::vector<Node<3>>&);
-template void fill_velocities<2>(const Particles<2>&, Neighbourhood<2>&, std::vector<Node<2>>&);
-template void fill_velocities<3>(const Particles<3>&, Neighbourhood<3>&, std::vector<Node<3>>&);
+template void fill_nodes<2>(const Domain&, Particles<2>&, Neighbourhood<2>&, VecArray<2>&, const OrZero<double>&,
+                            double, const Stabilisers&, std::vector<Node<2>>&);
+template void fill_nodes<3>(const Domain&, Particles<3>&, Neighbourhood<3>&, VecArray<3>&, const OrZero<double>&,
+                            double, const Stabilisers&, std::vector<Node<3>>&);
+template void fill_velocities<2>(const Domain&, Particles<2>&, Neighbourhood<2>&, std::vector<Node<2>>&);
+template void fill_velocities<3>(const Domain&, Particles<3>&, Neighbourhood<3>&, std::vector<Node<3>>&);
 
 }  // namespace poretwin::solid

@@ -4,6 +4,7 @@
 
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
+#include "common/particles/domain.hpp"
 #include "common/particles/sight.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 
@@ -56,15 +57,17 @@ template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
-/// Sets position, velocity, gradient, flux and hourglass level of the nodes, including images. body: force [N/m3] on
-/// each particle; it gives the slope of the stress at walls. backing: see State.
+/// Sets position, velocity, gradient, flux and hourglass level of the nodes, including copies of other ranks' particles
+/// and images. Brings what images of the copies need (velocity, displacement, slip, stress, plastic strain, body) up to
+/// date. body: force [N/m3] on each particle; it gives the slope of the stress at walls. backing: see State.
 template <int D>
-void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body,
+void fill_nodes(const Domain& domain, Particles<D>& particles, Neighbourhood<D>& near, VecArray<D>& body,
                 const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
                 std::vector<Node<D>>& nodes);
 
 /// Sets only the velocities, between the two halves of a step.
 template <int D>
-void fill_velocities(const Particles<D>& particles, Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
+void fill_velocities(const Domain& domain, Particles<D>& particles, Neighbourhood<D>& near,
+                     std::vector<Node<D>>& nodes);
 
 }  // namespace poretwin::solid

@@ -113,7 +113,7 @@ bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhoo
   // An image moves by twice the displacement of its plate, in addition to that of its parent.
   const double most = 0.5 * setup.skin - plates_moved;
   if (most < 0.25 * setup.skin) return false;
-  if (plates_moved > 0.0)
+  if (plates_moved > 0.0 || setup.tiling)
     return parallel_all(p.free(), [&](std::size_t i) { return !(moved_by(p, near, i).norm() > most); });
   std::atomic<bool> still{true};
   const bool near_enough = parallel_all(p.free(), [&](std::size_t i) {

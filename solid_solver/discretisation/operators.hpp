@@ -154,7 +154,7 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
 /// The correction B of a particle or of an image. The correction of an image is that of its parent, mirrored.
 template <int D>
 Mat<D> correction_at(const State<D>& state, std::size_t j) {
-  const std::size_t n = state.particles.size();
+  const std::size_t n = state.particles.with_copies();
   if (j < n) return state.nodes[j].correction();
   const auto& rule = state.near.images[j - n];
   return rule.map * state.nodes[rule.parent].correction() * rule.map.transpose();

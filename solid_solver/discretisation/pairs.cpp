@@ -95,7 +95,8 @@ void list_views(const Pairs& pairs, std::span<const Index> parents, Views& views
 
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs) {
+             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs,
+             std::span<const char> copies_at_rest) {
   sph::CellGrid<D> particles, images;
   particles.build(positions.first(n_real), range);
   images.build(positions.subspan(n_real), range);
@@ -169,7 +170,10 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
     for_each_part(n_parts, [&](std::size_t part) { run_lanes([&]() __attribute__((always_inline)) { pair(part); }); });
   };
   in_lanes(pair_moving);
-  const std::vector<char> near = reached(moving, n_real, still);
+  std::vector<char> near = reached(moving, n_real, still);
+  for (std::size_t c = 0; c < copies_at_rest.size() && (n_free < n_real || !asleep.empty()); ++c)
+    if (!copies_at_rest[c])
+      particles.for_each_within(positions[n_real + c], range, [&](Index j, double) { near[j] = near[j] || still(j); });
   in_lanes([&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = resting[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
@@ -205,8 +209,8 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
 }
 
 template void pair_up<2>(std::span<const Vec<2>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
-                         std::span<const Index>, Pairs&);
+                         std::span<const Index>, Pairs&, std::span<const char>);
 template void pair_up<3>(std::span<const Vec<3>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
-                         std::span<const Index>, Pairs&);
+                         std::span<const Index>, Pairs&, std::span<const char>);
 
 }  // namespace poretwin::solid

@@ -8,9 +8,10 @@
 namespace poretwin::solid {
 
 /// Pair lists as compressed rows. Row i begins with the real particles with which the interaction is mutual; each such
-/// pair is in only one of its two rows. Entries from alone[i] on are the nodes that act on i only: images, and
-/// particles at rest (fixed or asleep) that are too far from the moving ones to have rows of their own. Both parts are
-/// padded to multiples of four with i itself, which contributes nothing, since loops take four pairs at a time.
+/// pair is in only one of its two rows. Entries from alone[i] on are the nodes that act on i only: images, copies of
+/// other ranks' particles (their ranks compute how i acts on them), and particles at rest (fixed or asleep) that are
+/// too far from the moving ones to have rows of their own. Both parts are padded to multiples of four with i itself,
+/// which contributes nothing, since loops take four pairs at a time.
 ///
 /// The rows are divided into parts, one for each thread. A pair of two parts is stored in both, and each copy acts only
 /// on the particle of its own part.
@@ -81,12 +82,15 @@ void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
 }
 
 /// Lists the pairs closer than range [m]: pairs among the first n_real positions, which are particles, and pairs of
-/// these with the rest, which are images. Particles from n_free on are fixed. A free particle i sleeps where asleep[i]
+/// these with the rest, which are copies of other ranks' particles and then images. copies_at_rest: for each copy 1
+/// where it is of a fixed or sleeping particle. Particles from n_free on are fixed. A free particle i sleeps where
+/// asleep[i]
 /// != 0 (asleep is empty if none sleeps). If no moving particle is within range, the row of a fixed particle is empty,
 /// and that of a sleeping one is marked as skipped. The rows are divided into n_parts parts of similar work. originals:
 /// if not empty, the particle of each image, which is seen only from this particle's side of the plane midway.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs);
+             std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs,
+             std::span<const char> copies_at_rest = {});
 
 }  // namespace poretwin::solid

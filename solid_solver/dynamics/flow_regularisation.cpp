@@ -1,6 +1,7 @@
 #include "solid_solver/dynamics/flow_regularisation.hpp"
 
 #include "solid_solver/discretisation/batch.hpp"
+#include "solid_solver/discretisation/ranks.hpp"
 #include "solid_solver/numerics/flow.hpp"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
   const std::size_t n = p.size();
   ScalarArray& flows = state.scratch.flows;
   flows.assign(n, 0.0);
-  if (std::ranges::all_of(p.plastic_strain, [](double strain) { return strain <= 0.0; })) return;
+  if (setup.domain.all_of(n, [&](std::size_t i) { return p.plastic_strain[i] <= 0.0; })) return;
   for (std::size_t i = 0; i < n; ++i)
     if (p.plastic_strain[i] > setup.flow_limit) flows[i] = 1.0;
   state.evened.resize(n, 0.0F);
@@ -41,30 +42,38 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
 
 /// Fills the packed data that the loops over pairs, four at a time, read.
 template <int D>
-void fill_grains(const State<D>& state, Scratch<D>& scratch) {
+void fill_grains(const Domain& domain, const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
+  const std::size_t n = p.with_copies();
   scratch.grains.resize(state.nodes.size());
-  auto fill = [&](std::size_t j) {
+  const auto place = [&](std::size_t j) {
     const Node<D>& node = state.nodes[j];
     Grain<D>& grain = scratch.grains[j];
-    const ImageRule<D>* const image = j < p.size() ? nullptr : &state.near.images[j - p.size()];
-    const std::size_t source = image ? image->parent : j;
     grain.position = node.position;
     grain.volume = node.volume;
     grain.mass = node.volume * node.density;
-    grain.shown = image && !image->periodic ? 0.0 : p.volume[source];
-    grain.swollen = p.volume[source] / p.mass[source];
-    grain.flows = scratch.flows[source];
-    grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  parallel_for(p.size(), fill);  // also sleeping particles, since they act on others
-  for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
+  parallel_for(p.size(), [&](std::size_t i) {  // also sleeping particles, since they act on others
+    Grain<D>& grain = scratch.grains[i];
+    place(i);
+    grain.shown = p.volume[i];
+    grain.swollen = p.volume[i] / p.mass[i];
+    grain.flows = scratch.flows[i];
+    grain.stress = p.stress[i].template head<n_components<D>>();
+  });
+  fill_copies(domain, std::span(scratch.grains).first(n));
+  for (std::size_t j = n; j < state.nodes.size(); ++j) {
+    const ImageRule<D>& image = state.near.images[j - n];
+    scratch.grains[j] = scratch.grains[image.parent];
+    place(j);
+    if (!image.periodic) scratch.grains[j].shown = 0.0;
+  }
 }
 
 /// Stress gradients [Pa/m] of the particles that flow, or of all particles; exact for linear stress up to the soil's
 /// surface. Images get the gradients of their parents.
 template <int D>
-void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
+void stress_slopes(const Domain& domain, const State<D>& state, bool of_all, Scratch<D>& scratch) {
   using G = Grain<D>;
   constexpr std::size_t n_slopes = n_components<D> * D + D * (D + 1) / 2;
   using Own = Sums<n_slopes>;
@@ -109,8 +118,10 @@ void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
     scratch.grains[i].slope =
         Eigen::Map<const Eigen::Matrix<double, n_components<D>, D>>(sum) * invert_moment<D>(moment);
   });
-  for (std::size_t j = n; j < scratch.grains.size(); ++j)
-    scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
+  const std::size_t images_from = state.particles.with_copies();
+  fill_copies(domain, std::span(scratch.grains).first(images_from));
+  for (std::size_t j = images_from; j < scratch.grains.size(); ++j)
+    scratch.grains[j].slope = scratch.grains[state.near.images[j - images_from].parent].slope;
 }
 
 /// Kernel sums (see Around) for particles that flow or yielded a little: the departures of the stress from the linear
@@ -297,9 +308,10 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   Scratch<D>& scratch = state.scratch;
   see_what_yields(setup, in_equilibrium, state);
   const auto& flows = scratch.flows;
-  if (std::ranges::all_of(flows, [](double f) { return f == 0.0; })) return;
-  fill_grains<D>(state, scratch);
-  stress_slopes<D>(state, std::ranges::any_of(flows, [](double f) { return f < 0.0; }), scratch);
+  if (setup.domain.all_of(flows.size(), [&](std::size_t i) { return flows[i] == 0.0; })) return;
+  fill_grains<D>(setup.domain, state, scratch);
+  stress_slopes<D>(setup.domain, state,
+                   setup.domain.any_of(flows.size(), [&](std::size_t i) { return flows[i] < 0.0; }), scratch);
   const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
   const auto treated = [&](Index i) {
     // Soil beside particles that yielded a little is also averaged with them.

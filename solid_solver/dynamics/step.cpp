@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "common/core/threads.hpp"
 #include "solid_solver/discretisation/lists_hold.hpp"
+#include "solid_solver/discretisation/ranks.hpp"
 #include "solid_solver/dynamics/flow_regularisation.hpp"
 #include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/dynamics/straining.hpp"
@@ -26,26 +27,28 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   if (!setup.plates.empty()) moved = with_plates_at<D>(p.plates, setup.boundaries);
   const Boundaries<D>& boundaries = setup.plates.empty() ? setup.boundaries : moved;
   keep_before_walls<D>(boundaries, setup.spacing, state.near, p);
+  share_out(setup, state);
   build_neighbourhood<D>(boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   refit_deformation<D>(p, state.near, setup.smoothing_length, state.nodes);
   state.rebuilds += 1.0;
-  if (state.near.pairs.skipped.empty()) return;
-  fill_nodes<D>(p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers, state.nodes);
+  if (!setup.domain.any(!state.near.pairs.skipped.empty())) return;
+  fill_nodes<D>(setup.domain, p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
+                state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
 }
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
-  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
-                state.nodes);
+  fill_nodes<D>(setup.domain, state.particles, state.near, state.body, state.backing, setup.flow_limit,
+                setup.stabilisers, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
 template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
-  if (lists_hold(setup, state.particles, state.near)) return false;
+  if (setup.domain.all(lists_hold(setup, state.particles, state.near))) return false;
   rebuild_lists(setup, state);
   return true;
 }
@@ -53,8 +56,8 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   const std::size_t n_free = state.particles.free();
-  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
-                state.nodes);
+  fill_nodes<D>(setup.domain, state.particles, state.near, state.body, state.backing, setup.flow_limit,
+                setup.stabilisers, state.nodes);
   internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
                     setup.stabilisers, state.kernel, state.force);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
@@ -117,7 +120,7 @@ template <int D>
 void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state) {
   Particles<D>& p = state.particles;
   const Pairs& pairs = state.near.pairs;
-  fill_velocities<D>(p, state.near, state.nodes);
+  fill_velocities<D>(setup.domain, p, state.near, state.nodes);
   velocity_gradient<D>(pairs, state.kernel, state.nodes);
   for_rows(pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {

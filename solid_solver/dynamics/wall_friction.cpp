@@ -1,5 +1,6 @@
 #include "solid_solver/dynamics/wall_friction.hpp"
 
+#include "solid_solver/discretisation/ranks.hpp"
 #include "solid_solver/numerics/points.hpp"
 #include "solid_solver/numerics/walls.hpp"
 
@@ -17,7 +18,7 @@ bool stands_before(const sph::ImagePlane<D>& wall, const Vec<D>& x) {
 /// Calls visit(image, node, weight) for the images that act on particle i; weight = V W'/r (x_i - x_j) [1/m].
 template <int D, class Visit>
 void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
-  const std::size_t n = state.particles.size();
+  const std::size_t n = state.particles.with_copies();
   const Pairs& pairs = state.near.pairs;
   for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m) {
     const std::size_t j = pairs.index[m];
@@ -146,17 +147,18 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
 template <int D>
 void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state) {
   Particles<D>& p = state.particles;
-  if (p.slip.empty()) return;
+  if (!setup.boundaries.any_frictional()) return;
   auto& touches = state.scratch.touches;
-  touches.assign(p.free(), 0);
+  touches.assign(p.with_copies(), 0.0);
   std::fill(p.wall_slope.begin(), p.wall_slope.end(), Vec<D>::Zero());
+  fill_copies(setup.domain, std::span(p.stress));
   for_each_touch(setup, state, [&](std::size_t i, double, const Vec<D>& normal, double) {
     p.wall_slope[i] += divergence_along(state, i, normal);
   });
   for_each_touch(setup, state, [&](std::size_t i, double friction, const Vec<D>& normal, double distance) {
     const double effect = effect_of_slip(state, i, normal);
     if (effect > -walls::touches_from / setup.spacing) return;
-    touches[i] = 1;
+    touches[i] = 1.0;
     const double stiffness = -effect * moduli(setup, p, i).shear * dt;  // Pa s/m, shear of the particle, per slip
     const Vec<D> body = state.body[i] + p.wall_slope[i];
     const double reach = distance * slope_carried<D>(p, i, normal, distance, body);
@@ -186,12 +188,14 @@ void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, Sta
       state.yielded[i] = 1;
     }
   });
+  fill_copies(setup.domain, std::span(touches));
+  for (auto* slips : {&p.slip, &p.slipped}) fill_copies(setup.domain, std::span(*slips));
   for (std::size_t i = 0; i < p.free(); ++i) {
-    if (touches[i] || state.regions.sleeps(i)) continue;
+    if (touches[i] > 0.0 || state.regions.sleeps(i)) continue;
     Vec<D> slip = Vec<D>::Zero(), slipped = slip;
     double weights = 0.0;
     for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>&, const Vec<D>& weight) {
-      if (!image.slips || image.parent >= p.free() || !touches[image.parent]) return;
+      if (!image.slips || touches[image.parent] == 0.0) return;
       slip += weight.norm() * p.slip[image.parent];
       slipped += weight.norm() * p.slipped[image.parent];
       weights += weight.norm();

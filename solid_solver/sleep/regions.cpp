@@ -1,5 +1,6 @@
 #include "solid_solver/sleep/regions.hpp"
 
+#include "solid_solver/discretisation/ranks.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/sleep/quiet.hpp"
 
@@ -62,7 +63,7 @@ bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>
 }
 
 /// Records which particles have moved or yielded. Returns their positions, and those of sleeping particles that were
-/// disturbed.
+/// disturbed, of all ranks.
 template <int D>
 VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -81,20 +82,22 @@ VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const D
     regions.last_active[i] = regions.clock;
     places.push_back(p.position[i]);
   }
-  return places;
+  return of_all_ranks(setup, std::move(places));
 }
 
-/// Wakes sleeping particles within reach of one of the places, and particles around them. Returns whether any woke.
+/// Wakes sleeping particles within reach of one of the places, and particles around them. Returns whether any woke on
+/// any rank.
 template <int D>
 bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>& places, State<D>& state) {
   const Particles<D>& p = state.particles;
   Regions<D>& regions = state.regions;
-  if (regions.asleep.empty() || places.empty()) return false;
+  if (!setup.domain.any(!regions.asleep.empty()) || !setup.domain.any(!places.empty())) return false;
   const Places<D> happening(places, setup.range());
   VecArray<D> affected;
   for (std::size_t i = 0; i < p.free(); ++i)
     if (regions.sleeps(i) && happening.near(p.position[i])) affected.push_back(p.position[i]);
-  if (affected.empty()) return false;
+  affected = of_all_ranks(setup, std::move(affected));
+  if (!setup.domain.any(!affected.empty())) return false;
   const Places<D> waking(affected, bounds.around);
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (!regions.sleeps(i) || !waking.near(p.position[i])) continue;
@@ -105,18 +108,19 @@ bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>
   return true;
 }
 
-/// Lets calm particles fall asleep if all around them are calm, too. Returns whether any fell asleep.
+/// Lets calm particles fall asleep if all around them are calm, too. Returns whether any fell asleep on any rank.
 template <int D>
-bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
+bool fall_asleep(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
   Regions<D>& regions = state.regions;
   const double since = regions.clock - sleep::asleep_after * bounds.way;
   VecArray<D> restless;
   for (std::size_t i = 0; i < p.free(); ++i)
     if (!regions.sleeps(i) && regions.last_active[i] > since) restless.push_back(p.position[i]);
-  const Places<D> happening(restless, bounds.around);
+  const bool some_calm = restless.size() < p.free();
+  const Places<D> happening(of_all_ranks(setup, std::move(restless)), bounds.around);
   bool any = false;
-  for (std::size_t i = 0; i < p.free() && restless.size() < p.free(); ++i) {
+  for (std::size_t i = 0; i < p.free() && some_calm; ++i) {
     if (regions.sleeps(i) || regions.last_active[i] > since || happening.near(p.position[i])) continue;
     regions.asleep.resize(p.free(), 0);
     regions.asleep[i] = 1;
@@ -128,14 +132,14 @@ bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state
     if (!p.slip.empty()) p.slip[i].setZero();
     any = true;
   }
-  return any;
+  return setup.domain.any(any);
 }
 
 /// Builds lists and forces anew after the set of sleeping particles has changed.
 template <int D>
 void renew(const Setup<D>& setup, State<D>& state) {
   auto& asleep = state.regions.asleep;
-  if (std::none_of(asleep.begin(), asleep.end(), [](char sleeps) { return sleeps; })) asleep.clear();
+  if (!setup.domain.any(std::any_of(asleep.begin(), asleep.end(), [](char sleeps) { return sleeps; }))) asleep.clear();
   rebuild_lists(setup, state);
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     if (state.near.pairs.skips(i)) state.particles.velocity[i].setZero();
@@ -153,7 +157,7 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   const double passed = regions.clock - regions.last_activity_check;
   if (passed * setup.stabilisers.sound_speed < sleep::travel * setup.spacing) return;
   regions.last_activity_check = regions.clock;
-  if (regions.last_active.empty()) {
+  if (setup.domain.all(regions.last_active.empty())) {
     const auto flows = [&](double plastic) { return plastic > setup.flow_limit; };
     if (!setup.domain.any(std::any_of(p.plastic_strain.begin(), p.plastic_strain.end(), flows))) return;
     regions.last_active.assign(p.free(), regions.clock);
@@ -169,17 +173,17 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   bool changed = wake_near(setup, bounds, disturbances(setup, bounds, drive, state), state);
   if (regions.clock - regions.last_sleep_check > sleep::between_checks * bounds.way) {
     regions.last_sleep_check = regions.clock;
-    changed = fall_asleep(bounds, drive, state) || changed;
+    changed = fall_asleep(setup, bounds, drive, state) || changed;
   }
   for (std::size_t i = 0; i < p.free(); ++i)
     regions.calm[i] = regions.last_active[i] <= regions.clock - sleep::calm_after * bounds.way;
-  if (changed) renew(setup, state);
+  if (setup.domain.any(changed)) renew(setup, state);
 }
 
 template <int D>
 void wake_regions(const Setup<D>& setup, State<D>& state) {
   Regions<D>& regions = state.regions;
-  const bool any = !regions.asleep.empty();
+  const bool any = setup.domain.any(!regions.asleep.empty());
   regions.last_active.clear();
   regions.asleep.clear();
   regions.calm.clear();

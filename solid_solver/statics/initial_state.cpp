@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "common/coupling/interrupt.hpp"
+#include "solid_solver/discretisation/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@ template <int D>
 State<D> laid_out(Setup<D>& setup, Particles<D> particles) {
   State<D> state;
   state.particles = std::move(particles);
+  begin_with_share(setup, state);
   const std::size_t n = state.particles.size();
   state.body.assign(n, Vec<D>::Zero());
   state.force.assign(n, {});

@@ -78,6 +78,8 @@ void follow_window(const Setup<D>& setup, const coupling::Window& window, std::s
   double reference = 0.0;
   const bool mean = feels_the_mean(setup, state, window), dry = is_dry(state, water);
   drive.damping_of_calm = setup.quiet.damping ? near_critical_damping(setup) : 0.0;
+  // Zeros, which would not go with particles to other ranks: these have no water.
+  if (setup.tiling) drive.distributed = {};
   Loads<D> loads(setup);
   for (std::size_t k = 0; k < steps; ++k) {
     loads.act(setup, state, window.time + static_cast<double>(k) * dt, drive.traction);

@@ -113,6 +113,20 @@ TEST(Halo, OfAnEmptyTileIsEmpty) {
   expect_what_is_within_reach<2>(whole, Partition<2>(all_ranks().size()), 0.3);
   expect_what_is_within_reach<2>({}, Partition<2>(all_ranks().size()), 0.3);
 }
+TEST(Halo, HoldsWhatIsWithinReachOfFurtherPlaces) {
+  const auto whole = scattered<2>(16);
+  const auto partition = slabs<2>();
+  const auto own = part_of<2>(whole, partition);
+  const VecArray<2> views{{0.9 - 0.2 * all_ranks().rank(), 0.3}};
+  const HaloPlan plan = find_halo<2>(all_ranks(), own.x, own.ids, 0.1, {}, views);
+  std::size_t expected = 0;
+  for (const auto& x : whole) {
+    const bool near = (x - views[0]).norm() < 0.1 ||
+                      std::ranges::any_of(own.x, [&](const Vec<2>& other) { return (x - other).norm() < 0.1; });
+    expected += near && partition.owner(x) != all_ranks().rank() ? 1 : 0;
+  }
+  EXPECT_EQ(plan.halo, expected);
+}
 TEST(Halo, ReachesAcrossPeriodicSides) {
   const auto whole = scattered<2>(16);
   const VecArray<2> shifts{{1.0, 0.0}, {-1.0, 0.0}};

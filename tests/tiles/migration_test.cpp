@@ -105,5 +105,16 @@ TEST(Migration, ArraysThatDoNotFitAreRefused) {
   EXPECT_THROW(migrate(all_ranks(), too_few, ids, {}), Error);
 }
 
+TEST(ParticleArrays, AreBroughtIntoAnotherOrder) {
+  ScalarArray one{0.0, 1.0, 2.0}, two{0.0, 0.5, 1.0, 1.5, 2.0, 2.5};
+  std::vector<char> flags{'a', 'b', 'c'};
+  ParticleArrays arrays;
+  arrays.add(one).add(two, 2).add(flags);
+  arrays.reorder(std::vector<Index>{2, 0});
+  EXPECT_EQ(one, (ScalarArray{2.0, 0.0}));
+  EXPECT_EQ(two, (ScalarArray{2.0, 2.5, 0.0, 0.5}));
+  EXPECT_EQ(flags, (std::vector<char>{'c', 'a'}));
+}
+
 }  // namespace
 }  // namespace poretwin::tiles

@@ -1,0 +1,137 @@
+#include "solid_solver/discretisation/ranks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+/// Calls visit(array, entries per particle) for every array of the state that has entries for particles, except
+/// pair lists and what is used within a step only.
+template <int D, class Visit>
+void for_each_array(const Setup<D>& setup, State<D>& state, const Visit& visit) {
+  Particles<D>& p = state.particles;
+  std::size_t remembered = 0;
+  for (const auto& model : setup.models) remembered = std::max(remembered, model->state_size());
+  for (auto* vectors : {&p.position, &p.displacement, &p.velocity, &p.slip, &p.slipped, &p.wall_slope, &state.body})
+    visit(*vectors, 1);
+  for (auto* numbers : {&p.mass, &p.volume, &p.plastic_strain}) visit(*numbers, 1);
+  visit(p.stress, 1);
+  visit(p.material, 1);
+  visit(p.material_state, remembered);
+  visit(p.rubbing, 1);
+  visit(state.nodes, 1);
+  visit(state.force, 1);
+  visit(state.external.saturation.values(), 1);
+  visit(state.yielded, 1);
+  visit(state.evened, 1);
+  Regions<D>& regions = state.regions;
+  for (auto* numbers : {&regions.last_active, &regions.sheared, &regions.saturation.values()}) visit(*numbers, 1);
+  for (auto* vectors : {&regions.mark, &regions.outside}) visit(*vectors, 1);
+  for (auto* flags : {&regions.calm, &regions.asleep}) visit(*flags, 1);
+}
+
+/// The arrays that any rank uses, with an entry for each of this rank's n particles: also for fixed ones, and without
+/// copies and images.
+template <int D>
+ParticleArrays arrays_of(const Setup<D>& setup, State<D>& state, std::size_t n) {
+  ScalarArray in_use;
+  for_each_array(setup, state, [&](const auto& array, std::size_t) { in_use.push_back(array.empty() ? 0.0 : 1.0); });
+  setup.domain.sum(in_use);
+  ParticleArrays arrays;
+  auto used = in_use.begin();
+  for_each_array(setup, state, [&](auto& array, std::size_t each) {
+    if (*used++ == 0.0) return;
+    array.resize(n * each);
+    arrays.add(array, each);
+  });
+  return arrays;
+}
+
+/// Further places whose surroundings this rank needs. Where an image of a particle acts on a particle of this rank, the
+/// reflection or translation that makes the image, undone, takes the latter to a place that is as near to the former as
+/// the image is. At a plane mirror the particle itself is nearer still, unless it is on the outer side of the plane,
+/// beyond the end of a wall.
+template <int D>
+VecArray<D> places_that_see_images(const Boundaries<D>& boundaries, double range, const VecArray<D>& position) {
+  VecArray<D> views;
+  for (std::size_t k = boundaries.planes.size(); k-- > 0;) {  // images are made in the order of the planes
+    const auto& plane = boundaries.planes[k];
+    const bool periodic = boundaries.kinds[k] == BoundaryKind::periodic;
+    const auto undo = [&](const Vec<D>& x) {
+      const double distance = plane.normal.dot(x - plane.point);
+      if (periodic)
+        views.push_back(x - plane.shift);
+      else if (distance < 0.0)
+        views.push_back(x - 2.0 * distance * plane.normal);
+      else
+        return;
+      // Images are made of particles within range of the plane.
+      if (std::abs(plane.normal.dot(views.back() - plane.point)) > 2.0 * range) views.pop_back();
+    };
+    const std::size_t before = views.size();
+    for (const auto& x : position) undo(x);
+    for (std::size_t v = 0; v < before; ++v) undo(Vec<D>(views[v]));
+  }
+  return views;
+}
+
+}  // namespace
+
+template <int D>
+void begin_with_share(const Setup<D>& setup, State<D>& state) {
+  if (!setup.tiling) return;
+  Particles<D>& p = state.particles;
+  const ParticleArrays arrays = arrays_of(setup, state, p.size());
+  p.share.first_held = p.free();
+  std::vector<Index> own;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (setup.tiling->begins_with(i)) own.push_back(static_cast<Index>(i));
+  arrays.reorder(own);
+  p.share.ids.assign(own.begin(), own.end());
+  p.held = static_cast<std::size_t>(std::ranges::count_if(own, [&](Index i) { return i >= p.share.first_held; }));
+}
+
+template <int D>
+void share_out(const Setup<D>& setup, State<D>& state) {
+  if (!setup.tiling) return;
+  Particles<D>& p = state.particles;
+  RankShare& share = p.share;
+  const ParticleArrays arrays = arrays_of(setup, state, share.ids.size());
+  share.copies = 0;
+  setup.tiling->send_to_owners(p.position, share.ids, arrays);
+  const auto is_held = [&](GlobalId id) { return id >= share.first_held; };
+  p.held = static_cast<std::size_t>(std::ranges::count_if(share.ids, is_held));
+  // Fixed particles come last. They have no part in regions that sleep.
+  Regions<D>& regions = state.regions;
+  const std::size_t n = p.size(), n_free = p.free();
+  for (auto* numbers : {&regions.last_active, &regions.sheared, &regions.saturation.values()})
+    numbers->resize(std::min(numbers->size(), n_free));
+  for (auto* vectors : {&regions.mark, &regions.outside}) vectors->resize(std::min(vectors->size(), n_free));
+  for (auto* flags : {&regions.calm, &regions.asleep}) flags->resize(std::min(flags->size(), n_free));
+
+  const VecArray<D> views = places_that_see_images(setup.boundaries, setup.range(), p.position);
+  const std::size_t copies = setup.tiling->find_copies(p.position, share.ids, setup.range(), views), all = n + copies;
+  for (auto* vectors : {&p.position, &p.displacement, &p.velocity, &state.body}) vectors->resize(all, Vec<D>::Zero());
+  for (auto* slips : {&p.slip, &p.slipped, &p.wall_slope})
+    if (setup.boundaries.any_frictional()) slips->resize(all, Vec<D>::Zero());
+  for (auto* numbers : {&p.mass, &p.plastic_strain}) numbers->resize(all, 0.0);
+  p.stress.resize(all, Tensor::Zero());
+  share.copies = copies;
+  // What fill_nodes() does not bring up to date.
+  fill_copies(setup.domain, std::span(p.position));
+  fill_copies(setup.domain, std::span(p.mass));
+  ScalarArray rests(all, 0.0);
+  for (std::size_t i = 0; i < n; ++i) rests[i] = i >= n_free || regions.sleeps(i) ? 1.0 : 0.0;
+  fill_copies(setup.domain, std::span(rests));
+  share.at_rest.assign(copies, 0);
+  std::transform(rests.begin() + static_cast<std::ptrdiff_t>(n), rests.end(), share.at_rest.begin(),
+                 [](double rest) { return rest > 0.0 ? char{1} : char{0}; });
+}
+
+template void begin_with_share<2>(const Setup<2>&, State<2>&);
+template void begin_with_share<3>(const Setup<3>&, State<3>&);
+template void share_out<2>(const Setup<2>&, State<2>&);
+template void share_out<3>(const Setup<3>&, State<3>&);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,35 @@
+// Soil that several ranks share. Each computes the particles in its tile of space. Copies of those of other ranks that
+// its own interact with, its halo, act on its own particles as images do: their rows are on their own rank.
+#pragma once
+
+#include "solid_solver/setup.hpp"
+#include "solid_solver/state.hpp"
+
+#include <span>
+
+namespace poretwin::solid {
+
+/// Brings the entries of the copies, which stand behind those of this rank's own particles, up to date.
+template <class T>
+void fill_copies(const Domain& domain, std::span<T> values) {
+  static_assert(sizeof(T) % sizeof(double) == 0, "values are sent as numbers of 8 bytes");
+  constexpr std::size_t each = sizeof(T) / sizeof(double);
+  domain.exchange({reinterpret_cast<double*>(values.data()), values.size() * each}, each);
+}
+
+/// Leaves of all particles those with which this rank begins.
+template <int D>
+void begin_with_share(const Setup<D>& setup, State<D>& state);
+
+/// Sends the particles to the ranks that own their places, and finds the copies that this rank needs. Lists must be
+/// made anew afterwards. Does nothing where one rank has all.
+template <int D>
+void share_out(const Setup<D>& setup, State<D>& state);
+
+/// Places [m] on all ranks.
+template <int D>
+VecArray<D> of_all_ranks(const Setup<D>& setup, VecArray<D> places) {
+  return setup.tiling ? setup.tiling->gather(places) : places;
+}
+
+}  // namespace poretwin::solid

@@ -1,0 +1,292 @@
+// Soil that several ranks share moves as on one rank. Every rank also computes the whole soil by itself, and compares
+// its own particles, by their ids, with those of the whole.
+#include "common/core/error.hpp"
+#include "common/tiles/mpi_tiling.hpp"
+#include "tests/solid/scenes.hpp"
+#include "tests/tiles/ranks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace poretwin::solid::test {
+namespace {
+
+using tiles::all_ranks;
+using tiles::Box;
+using tiles::MpiTiling;
+using tiles::Partition;
+
+/// Slabs of equal thickness across an axis, of which the first and the last are open.
+template <int D>
+Partition<D> slabs(int axis, double from, double to) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const int n = all_ranks().size();
+  std::vector<Box<D>> boxes(static_cast<std::size_t>(n), {Vec<D>::Constant(-infinity), Vec<D>::Constant(infinity)});
+  for (int r = 0; r + 1 < n; ++r)
+    boxes[static_cast<std::size_t>(r)].upper[axis] = boxes[static_cast<std::size_t>(r) + 1].lower[axis] =
+        from + (to - from) * (r + 1) / n;
+  return Partition<D>(std::move(boxes));
+}
+
+Face line(std::vector<Point3> points) {
+  Face face;
+  face.points = std::move(points);
+  return face;
+}
+
+/// An elastic block between walls, thrown against one of them.
+template <int D>
+Case block() {
+  Case scene = column({.dimension = D, .width = 0.3, .height = 0.4, .spacing = D == 2 ? 0.02 : 0.05});
+  scene.solid.jitter = 0.1;  // no sums whose order does not matter
+  scene.solid.initial_rest = false;
+  scene.solid.initial_velocity = {0.4, 0.1, D == 2 ? 0.0 : 0.3};
+  return scene;
+}
+
+/// Grains on a rough base, beside a wall, whose gate has been removed.
+Case collapse(double width, double height, double spacing) {
+  Case scene =
+      column({.width = width, .height = height, .spacing = spacing, .base = Wall::ForSoil::none, .sides = false});
+  scene.soils[0].friction_angle = 31.0;
+  scene.soils[0].cone = Soil::Cone::repose;
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.solid.initial_rest = false;
+  Wall base, back;
+  base.name = "base";
+  base.face = line({{0.0, 0.0, 0.0}, {2.0 * width + 2.0 * height, 0.0, 0.0}});
+  base.soil = Wall::ForSoil::rough;
+  back.name = "back";
+  back.face = line({{0.0, 2.0 * height, 0.0}, {0.0, -0.2, 0.0}});
+  back.soil = Wall::ForSoil::roller;
+  scene.walls = {base, back};
+  return scene;
+}
+
+/// Largest differences between this rank's particles and those of the whole soil, over the largest value of the whole.
+struct Errors {
+  double position = 0.0, velocity = 0.0, stress = 0.0, volume = 0.0, plastic_strain = 0.0;
+  [[nodiscard]] double largest() const { return std::max({position, velocity, stress, volume, plastic_strain}); }
+};
+
+template <int D>
+struct Shared {
+  explicit Shared(const Case& scene, std::shared_ptr<MpiTiling<D>> tiles)
+      : tiling(std::move(tiles)), whole(scene), part(scene, tiling) {
+    whole.initialise({});
+    part.initialise({});
+  }
+  /// Advances both by windows of at most `interval` [s].
+  void run(std::size_t windows, double interval) {
+    for (std::size_t k = 0; k < windows; ++k) {
+      const double proposed = std::min(interval, whole.proposal().first);
+      EXPECT_EQ(std::min(interval, part.proposal().first), proposed);
+      for (auto* solid : {&whole, &part}) solid->advance({step, solid->state().time, proposed}, {});
+      ++step;
+    }
+  }
+  /// Compares, and expects that every particle is on one rank, with the mass that it has in the whole.
+  Errors errors() const {
+    const Particles<D>&all = whole.state().particles, &own = part.state().particles;
+    Errors error, most;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      most.position = std::max(most.position, all.displacement[i].norm());
+      most.velocity = std::max(most.velocity, all.velocity[i].norm());
+      most.stress = std::max(most.stress, all.stress[i].norm());
+      most.volume = std::max(most.volume, all.volume[i]);
+      most.plastic_strain = std::max(most.plastic_strain, all.plastic_strain[i]);
+    }
+    const auto differ = [](double& found, double by, double over) {
+      if (!(by <= found * over)) found = by / over;
+    };
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const std::size_t i = own.share.ids[k];
+      EXPECT_EQ(own.mass[k], all.mass[i]) << "particle " << i;
+      EXPECT_EQ(k < own.free(), i < all.free()) << "particle " << i;
+      differ(error.position, (own.position[k] - all.position[i]).norm(), most.position);
+      differ(error.position, (own.displacement[k] - all.displacement[i]).norm(), most.position);
+      differ(error.velocity, (own.velocity[k] - all.velocity[i]).norm(), most.velocity);
+      differ(error.stress, (own.stress[k] - all.stress[i]).norm(), most.stress);
+      differ(error.volume, std::abs(own.volume[k] - all.volume[i]), most.volume);
+      differ(error.plastic_strain, std::abs(own.plastic_strain[k] - all.plastic_strain[i]), most.plastic_strain);
+    }
+    std::set<GlobalId> everywhere;
+    const auto ids = gathered(own.share.ids);
+    everywhere.insert(ids.begin(), ids.end());
+    EXPECT_EQ(ids.size(), all.size());
+    EXPECT_EQ(everywhere.size(), all.size());
+    const auto& domain = part.setup().domain;
+    for (double* one : {&error.position, &error.velocity, &error.stress, &error.volume, &error.plastic_strain})
+      *one = domain.max(*one);
+    if (all_ranks().rank() == 0)
+      std::printf("%d ranks, t = %g s: position %.1e, velocity %.1e, stress %.1e, volume %.1e, plastic strain %.1e\n",
+                  all_ranks().size(), part.state().time, error.position, error.velocity, error.stress, error.volume,
+                  error.plastic_strain);
+    return error;
+  }
+  [[nodiscard]] double left() const { return part.setup().domain.sum(static_cast<double>(tiling->left())); }
+
+  std::shared_ptr<MpiTiling<D>> tiling;
+  Solid<D> whole, part;
+  std::uint64_t step = 0;
+
+ private:
+  static std::vector<GlobalId> gathered(const std::vector<GlobalId>& ids) {
+    const auto bytes = std::as_bytes(std::span(ids));
+    std::vector<GlobalId> everywhere;
+    for (const auto& from : all_ranks().trade(std::vector<tiles::Bytes>(static_cast<std::size_t>(all_ranks().size()),
+                                                                        tiles::Bytes(bytes.begin(), bytes.end()))))
+      for (std::size_t at = 0; at < from.size(); at += sizeof(GlobalId))
+        std::memcpy(&everywhere.emplace_back(), &from[at], sizeof(GlobalId));
+    return everywhere;
+  }
+};
+
+template <int D>
+std::shared_ptr<MpiTiling<D>> across(int axis, double from, double to) {
+  return std::make_shared<MpiTiling<D>>(all_ranks(), slabs<D>(axis, from, to));
+}
+
+TEST(SharedSoil, AnElasticBlockVibratesAcrossItsCut) {
+  for (const int axis : {0, 1}) {  // across the base, and across the side walls
+    Shared<2> soil(block<2>(), across<2>(axis, 0.0, axis == 0 ? 0.3 : 0.4));
+    soil.run(20, 2e-3);
+    EXPECT_LT(soil.errors().largest(), 1e-9);
+    EXPECT_GT(soil.whole.counters().at("substeps"), 100.0);
+  }
+}
+
+TEST(SharedSoil, AnElasticBlockVibratesAcrossItsCutInThreeDimensions) {
+  Shared<3> soil(block<3>(), std::make_shared<MpiTiling<3>>(all_ranks(), 0.2));
+  soil.run(20, 2e-3);
+  EXPECT_LT(soil.errors().largest(), 1e-9);
+}
+
+TEST(SharedSoil, GrainsCollapseAcrossTheCut) {
+  Shared<2> soil(collapse(0.4, 0.4, 0.025), across<2>(0, 0.0, 0.4));
+  soil.run(20, 2e-3);
+  EXPECT_LT(soil.errors().largest(), 1e-9);
+  EXPECT_TRUE(soil.whole.state().any_yielded);
+}
+
+TEST(SharedSoil, GrainsSlideAlongAFrictionalWallAcrossTheCut) {
+  Case scene = collapse(0.4, 0.2, 0.025);
+  scene.walls[0].face = plane(Point3::Zero(), Point3::UnitY());
+  scene.walls[0].soil = Wall::ForSoil::frictional;
+  scene.walls[0].friction_angle = 15.0;
+  scene.solid.initial_velocity = {0.5, 0.0, 0.0};
+  Shared<2> soil(scene, across<2>(0, 0.0, 0.4));
+  soil.run(20, 2e-3);
+  EXPECT_LT(soil.errors().largest(), 1e-9);
+  double slid = 0.0;
+  for (const auto& slipped : soil.whole.state().particles.slipped) slid = std::max(slid, slipped.norm());
+  EXPECT_GT(slid, 1e-3);
+}
+
+TEST(SharedSoil, PeriodicSidesConnectTheFirstTileWithTheLast) {
+  Case scene = column({.width = 0.4, .height = 0.2, .spacing = 0.02, .sides = false});
+  scene.general.periodic = {0};
+  scene.general.domain_max = {0.4, 1.0, 0.0};
+  scene.general.gravity = {3.0, -9.0, 0.0};
+  scene.solid.jitter = 0.1;
+  scene.solid.initial_rest = false;
+  scene.solid.initial_velocity = {2.0, 0.0, 0.0};  // some pass through the side
+  Shared<2> soil(scene, across<2>(0, 0.0, 0.4));
+  soil.run(20, 2e-3);
+  EXPECT_LT(soil.errors().largest(), 1e-9);
+}
+
+/// Soil above the end of a wall moves behind it, where images of the soil in front of the wall are nearer than that
+/// soil itself. The cut is at the wall's end.
+TEST(SharedSoil, BehindTheEndOfAWallSeesImagesOfSoilInFrontOfIt) {
+  Case scene = collapse(0.2, 0.4, 0.02);
+  scene.walls[1].face = line({{0.0, 0.2, 0.0}, {0.0, -0.1, 0.0}});
+  scene.solid.initial_velocity = {-1.5, 0.0, 0.0};
+  Shared<2> soil(scene, across<2>(1, 0.0, 0.4));
+  soil.run(20, 2e-3);
+  EXPECT_LT(soil.errors().largest(), 1e-9);
+}
+
+TEST(SharedSoil, GrainsGoToTheRankThatOwnsTheirPlace) {
+  Shared<2> soil(collapse(0.4, 0.4, 0.025), std::make_shared<MpiTiling<2>>(all_ranks(), 0.1));
+  soil.run(20, 2e-3);
+  const double at_first = soil.left();
+  for (int part = 0; part < 4; ++part) {
+    soil.run(70, 4e-3);
+    EXPECT_LT(soil.errors().largest(), 1e-9);
+  }
+  const double migrated = soil.left() - at_first;
+  if (all_ranks().rank() == 0)
+    std::printf("%g particles migrated, tiles cut anew %zu times\n", migrated, soil.tiling->cut());
+  if (all_ranks().size() > 1) EXPECT_GT(migrated, 10.0);
+}
+
+TEST(SharedSoil, RegionsSleepBesideSoilThatFlowsOnAnotherRank) {
+  Case scene = collapse(1.6, 0.4, 0.05);
+  scene.solid.quiet = Quiet{.sleep_below = 1e-9, .regions = 5e-2};
+  Shared<2> soil(scene, across<2>(0, 0.0, 1.6));
+  double asleep = 0.0;
+  for (int part = 0; part < 5; ++part) {
+    soil.run(60, 1e-2);
+    EXPECT_LT(soil.errors().largest(), 1e-9);
+    const auto& own = soil.part.state();
+    double sleeping = 0.0;
+    for (std::size_t k = 0; k < own.particles.free(); ++k) {
+      const bool sleeps = own.regions.sleeps(k);
+      EXPECT_EQ(sleeps, soil.whole.state().regions.sleeps(own.particles.share.ids[k]));
+      sleeping += sleeps ? 1.0 : 0.0;
+    }
+    sleeping = soil.part.setup().domain.sum(sleeping);
+    if (all_ranks().rank() == 0) std::printf("%g particles asleep\n", sleeping);
+    asleep = std::max(asleep, sleeping);
+  }
+  EXPECT_GT(asleep, 20.0);
+}
+
+/// What several ranks cannot compute is refused by name.
+TEST(SharedSoil, RefusesWhatItCannotCompute) {
+  const auto expect_refused = [](const Case& scene, const std::string& what) {
+    try {
+      Solid<2> solid(scene, std::make_shared<MpiTiling<2>>(all_ranks(), 0.2));
+      ADD_FAILURE() << "not refused: " << what;
+    } catch (const CaseError& error) {
+      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+    }
+  };
+  const Case possible = block<2>();
+  Case scene = possible;
+  scene.solid.initial_rest = true;
+  expect_refused(scene, "solid.initial_rest");
+  scene = possible;
+  scene.pore_pressures.emplace_back();
+  expect_refused(scene, "water");
+  scene = possible;
+  scene.loads = {top_load({}, 1e3)};
+  expect_refused(scene, "[[load]]");
+  scene = possible;
+  scene.plates.emplace_back();
+  expect_refused(scene, "[[plate]]");
+  scene = possible;
+  scene.gauges = {point_gauge<2>("here", "velocity", {Point3::Zero()})};
+  expect_refused(scene, "[[gauge]]");
+  scene = possible;
+  scene.solid.artificial_stress = 0.3;
+  expect_refused(scene, "solid.artificial_stress");
+  scene = possible;
+  scene.walls[1].shape = scene.soils[0].shape;
+  expect_refused(scene, "\"side\" has a shape");
+  scene = possible;
+  scene.walls[1].name = "sheet";
+  scene.walls[1].face = line({{0.15, 0.0, 0.0}, {0.15, 0.3, 0.0}});
+  expect_refused(scene, "[[wall]] is a line");
+  Solid<2> solid(possible, std::make_shared<MpiTiling<2>>(all_ranks(), 0.2));
+  Archive archive;
+  EXPECT_THROW(solid.archive(archive), Error);
+}
+
+}  // namespace
+}  // namespace poretwin::solid::test
