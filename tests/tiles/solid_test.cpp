@@ -67,11 +67,54 @@ Case collapse(double width, double height, double spacing) {
   return scene;
 }
 
-/// Largest differences between this rank's particles and those of the whole soil, over the largest value of the whole.
+/// Largest differences between particles and those of the whole soil, over the largest value of the whole.
 struct Errors {
   double position = 0.0, velocity = 0.0, stress = 0.0, volume = 0.0, plastic_strain = 0.0;
-  [[nodiscard]] double largest() const { return std::max({position, velocity, stress, volume, plastic_strain}); }
+  [[nodiscard]] double of_motion() const { return std::max({position, velocity, volume, plastic_strain}); }
+  [[nodiscard]] double largest() const { return std::max(of_motion(), stress); }
+  void print(const char* who, double time) const {
+    if (all_ranks().rank() == 0)
+      std::printf(
+          "%d ranks, t = %g s: %s: position %.1e, velocity %.1e, stress %.1e, volume %.1e, plastic strain %.1e\n",
+          all_ranks().size(), time, who, position, velocity, stress, volume, plastic_strain);
+  }
 };
+
+/// id_of(k): which particle of the whole soil particle k is. Masses must be equal to the bit.
+template <int D, class IdOf>
+Errors differences(const Particles<D>& whole, const Particles<D>& part, const IdOf& id_of) {
+  Errors error, most;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    most.position = std::max(most.position, whole.displacement[i].norm());
+    most.velocity = std::max(most.velocity, whole.velocity[i].norm());
+    most.stress = std::max(most.stress, whole.stress[i].norm());
+    most.volume = std::max(most.volume, whole.volume[i]);
+    most.plastic_strain = std::max(most.plastic_strain, whole.plastic_strain[i]);
+  }
+  const auto differ = [](double& found, double by, double over) {
+    if (!(by <= found * over)) found = by / over;
+  };
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const std::size_t i = id_of(k);
+    EXPECT_EQ(part.mass[k], whole.mass[i]) << "particle " << i;
+    EXPECT_EQ(k < part.free(), i < whole.free()) << "particle " << i;
+    differ(error.position, (part.position[k] - whole.position[i]).norm(), most.position);
+    differ(error.position, (part.displacement[k] - whole.displacement[i]).norm(), most.position);
+    differ(error.velocity, (part.velocity[k] - whole.velocity[i]).norm(), most.velocity);
+    differ(error.stress, (part.stress[k] - whole.stress[i]).norm(), most.stress);
+    differ(error.volume, std::abs(part.volume[k] - whole.volume[i]), most.volume);
+    differ(error.plastic_strain, std::abs(part.plastic_strain[k] - whole.plastic_strain[i]), most.plastic_strain);
+  }
+  return error;
+}
+
+/// Advances by at most `interval` [s]; returns by how much.
+template <int D>
+double advance(Solid<D>& solid, std::uint64_t step, double interval) {
+  interval = std::min(interval, solid.proposal().first);
+  solid.advance({step, solid.state().time, interval}, {});
+  return interval;
+}
 
 template <int D>
 struct Shared {
@@ -82,50 +125,20 @@ struct Shared {
   }
   /// Advances both by windows of at most `interval` [s].
   void run(std::size_t windows, double interval) {
-    for (std::size_t k = 0; k < windows; ++k) {
-      const double proposed = std::min(interval, whole.proposal().first);
-      EXPECT_EQ(std::min(interval, part.proposal().first), proposed);
-      for (auto* solid : {&whole, &part}) solid->advance({step, solid->state().time, proposed}, {});
-      ++step;
-    }
+    for (std::size_t k = 0; k < windows; ++k, ++step)
+      EXPECT_EQ(advance(part, step, interval), advance(whole, step, interval));
   }
-  /// Compares, and expects that every particle is on one rank, with the mass that it has in the whole.
+  /// Differences on all ranks. Expects that every particle is on one rank.
   Errors errors() const {
-    const Particles<D>&all = whole.state().particles, &own = part.state().particles;
-    Errors error, most;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      most.position = std::max(most.position, all.displacement[i].norm());
-      most.velocity = std::max(most.velocity, all.velocity[i].norm());
-      most.stress = std::max(most.stress, all.stress[i].norm());
-      most.volume = std::max(most.volume, all.volume[i]);
-      most.plastic_strain = std::max(most.plastic_strain, all.plastic_strain[i]);
-    }
-    const auto differ = [](double& found, double by, double over) {
-      if (!(by <= found * over)) found = by / over;
-    };
-    for (std::size_t k = 0; k < own.size(); ++k) {
-      const std::size_t i = own.share.ids[k];
-      EXPECT_EQ(own.mass[k], all.mass[i]) << "particle " << i;
-      EXPECT_EQ(k < own.free(), i < all.free()) << "particle " << i;
-      differ(error.position, (own.position[k] - all.position[i]).norm(), most.position);
-      differ(error.position, (own.displacement[k] - all.displacement[i]).norm(), most.position);
-      differ(error.velocity, (own.velocity[k] - all.velocity[i]).norm(), most.velocity);
-      differ(error.stress, (own.stress[k] - all.stress[i]).norm(), most.stress);
-      differ(error.volume, std::abs(own.volume[k] - all.volume[i]), most.volume);
-      differ(error.plastic_strain, std::abs(own.plastic_strain[k] - all.plastic_strain[i]), most.plastic_strain);
-    }
-    std::set<GlobalId> everywhere;
+    const Particles<D>& own = part.state().particles;
+    Errors error = differences<D>(whole.state().particles, own, [&](std::size_t k) { return own.share.ids[k]; });
     const auto ids = gathered(own.share.ids);
-    everywhere.insert(ids.begin(), ids.end());
-    EXPECT_EQ(ids.size(), all.size());
-    EXPECT_EQ(everywhere.size(), all.size());
+    EXPECT_EQ(ids.size(), whole.state().particles.size());
+    EXPECT_EQ(std::set<GlobalId>(ids.begin(), ids.end()).size(), ids.size());
     const auto& domain = part.setup().domain;
     for (double* one : {&error.position, &error.velocity, &error.stress, &error.volume, &error.plastic_strain})
       *one = domain.max(*one);
-    if (all_ranks().rank() == 0)
-      std::printf("%d ranks, t = %g s: position %.1e, velocity %.1e, stress %.1e, volume %.1e, plastic strain %.1e\n",
-                  all_ranks().size(), part.state().time, error.position, error.velocity, error.stress, error.volume,
-                  error.plastic_strain);
+    error.print("shared", part.state().time);
     return error;
   }
   [[nodiscard]] double left() const { return part.setup().domain.sum(static_cast<double>(tiling->left())); }
@@ -211,40 +224,59 @@ TEST(SharedSoil, BehindTheEndOfAWallSeesImagesOfSoilInFrontOfIt) {
   EXPECT_LT(soil.errors().largest(), 1e-9);
 }
 
+/// Kernels, and the plastic strain at the last evening of volumes, are stored in single precision. Where sums differ by
+/// rounding some of these round the other way, and flowing soil departs by 1e-8 and more; its stress by a thousand
+/// times that, since it is stiff. So does the same soil on one rank, under a gravity that differs by 1e-14.
+constexpr double scatter = 1e-6, scatter_of_stress = 1e-3;
+
 TEST(SharedSoil, GrainsGoToTheRankThatOwnsTheirPlace) {
-  Shared<2> soil(collapse(0.4, 0.4, 0.025), std::make_shared<MpiTiling<2>>(all_ranks(), 0.1));
-  soil.run(20, 2e-3);
+  Case scene = collapse(0.4, 0.4, 0.025);
+  Shared<2> soil(scene, std::make_shared<MpiTiling<2>>(all_ranks(), 0.1));
+  scene.general.gravity *= 1.0 + 1e-14;
+  Solid<2> twin(scene);
+  twin.initialise({});
   const double at_first = soil.left();
-  for (int part = 0; part < 4; ++part) {
-    soil.run(70, 4e-3);
-    EXPECT_LT(soil.errors().largest(), 1e-9);
+  for (std::size_t windows : {80, 60, 60}) {
+    for (std::uint64_t k = 0; k < windows; ++k) advance(twin, soil.step + k, 4e-3);
+    soil.run(windows, 4e-3);
+    const Errors errors = soil.errors();
+    EXPECT_LT(errors.of_motion(), scatter);
+    EXPECT_LT(errors.stress, scatter_of_stress);
+    differences<2>(soil.whole.state().particles, twin.state().particles, [](std::size_t k) {
+      return k;
+    }).print("twin", twin.state().time);
   }
   const double migrated = soil.left() - at_first;
   if (all_ranks().rank() == 0)
     std::printf("%g particles migrated, tiles cut anew %zu times\n", migrated, soil.tiling->cut());
-  if (all_ranks().size() > 1) EXPECT_GT(migrated, 10.0);
+  if (all_ranks().size() == 1) return;
+  EXPECT_GT(migrated, 10.0);
+  EXPECT_GT(soil.tiling->cut(), 0u);
 }
 
 TEST(SharedSoil, RegionsSleepBesideSoilThatFlowsOnAnotherRank) {
   Case scene = collapse(1.6, 0.4, 0.05);
   scene.solid.quiet = Quiet{.sleep_below = 1e-9, .regions = 5e-2};
   Shared<2> soil(scene, across<2>(0, 0.0, 1.6));
+  scene.general.gravity *= 1.0 + 1e-14;
+  Solid<2> twin(scene);
+  twin.initialise({});
+  for (std::uint64_t k = 0; k < 120; ++k) advance(twin, k, 1e-2);
+  soil.run(120, 1e-2);
+  const Errors errors = soil.errors();
+  EXPECT_LT(errors.of_motion(), scatter);
+  EXPECT_LT(errors.stress, scatter_of_stress);
+  differences<2>(soil.whole.state().particles, twin.state().particles, [](std::size_t k) {
+    return k;
+  }).print("twin", twin.state().time);
+  const auto& own = soil.part.state();
   double asleep = 0.0;
-  for (int part = 0; part < 5; ++part) {
-    soil.run(60, 1e-2);
-    EXPECT_LT(soil.errors().largest(), 1e-9);
-    const auto& own = soil.part.state();
-    double sleeping = 0.0;
-    for (std::size_t k = 0; k < own.particles.free(); ++k) {
-      const bool sleeps = own.regions.sleeps(k);
-      EXPECT_EQ(sleeps, soil.whole.state().regions.sleeps(own.particles.share.ids[k]));
-      sleeping += sleeps ? 1.0 : 0.0;
-    }
-    sleeping = soil.part.setup().domain.sum(sleeping);
-    if (all_ranks().rank() == 0) std::printf("%g particles asleep\n", sleeping);
-    asleep = std::max(asleep, sleeping);
+  for (std::size_t k = 0; k < own.particles.free(); ++k) {
+    const bool sleeps = own.regions.sleeps(k);
+    EXPECT_EQ(sleeps, soil.whole.state().regions.sleeps(own.particles.share.ids[k]));
+    asleep += sleeps ? 1.0 : 0.0;
   }
-  EXPECT_GT(asleep, 20.0);
+  EXPECT_GT(soil.part.setup().domain.sum(asleep), 20.0);
 }
 
 /// What several ranks cannot compute is refused by name.
