@@ -225,8 +225,10 @@ TEST(SharedSoil, BehindTheEndOfAWallSeesImagesOfSoilInFrontOfIt) {
 }
 
 /// Kernels, and the plastic strain at the last evening of volumes, are stored in single precision. Where sums differ by
-/// rounding some of these round the other way, and flowing soil departs by 1e-8 and more; its stress by a thousand
-/// times that, since it is stiff. So does the same soil on one rank, under a gravity that differs by 1e-14.
+/// rounding some of these round the other way, and flowing soil departs by 1e-8 after some tenths of a second. So does
+/// the same soil on one rank, under a gravity that differs by 1e-14 (`twin`). Beside regions that sleep the stress
+/// departs by up to 1e-4, more than the twin's. Ranks make their lists at other times than one rank does, and which
+/// sleeping particles are near enough to moving ones to transmit waves is found when lists are made.
 constexpr double scatter = 1e-6, scatter_of_stress = 1e-3;
 
 TEST(SharedSoil, GrainsGoToTheRankThatOwnsTheirPlace) {
