@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <span>
@@ -13,6 +14,19 @@
 namespace poretwin::tiles {
 
 using Bytes = std::vector<std::byte>;
+
+/// Values as a message, and a message as values. Types whose bytes are their value (Plain in particle_arrays.hpp).
+template <class T>
+Bytes bytes_of(const std::vector<T>& values) {
+  const auto bytes = std::as_bytes(std::span(values));
+  return {bytes.begin(), bytes.end()};
+}
+template <class T>
+std::vector<T> values_of(const Bytes& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+  return values;
+}
 
 /// A message to another rank, and the room for one from another rank, whose length is known.
 struct Outgoing {
@@ -75,6 +89,17 @@ class Communicator {
   /// Sends to[r] to each rank r, and returns what each rank sent to this one, in the order of the ranks; lengths as
   /// they come.
   [[nodiscard]] std::vector<Bytes> trade(std::span<const Bytes> to) const;
+
+  /// What each rank gives, in the order of the ranks, however many values each has.
+  template <class T>
+  [[nodiscard]] std::vector<T> gather_all(const std::vector<T>& own) const {
+    std::vector<T> all;
+    for (const Bytes& from : trade(std::vector<Bytes>(static_cast<std::size_t>(size()), bytes_of(own)))) {
+      const std::vector<T> theirs = values_of<T>(from);
+      all.insert(all.end(), theirs.begin(), theirs.end());
+    }
+    return all;
+  }
 
   /// Begins to send and receive messages whose lengths both sides know, at most one from each rank to each.
   [[nodiscard]] Transfer begin(std::span<const Outgoing> out, std::span<const Incoming> in) const;

@@ -3,26 +3,9 @@
 #include "common/particles/neighbours.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 namespace poretwin::tiles {
-namespace {
-
-template <class T>
-Bytes bytes_of(const std::vector<T>& values) {
-  const auto bytes = std::as_bytes(std::span(values));
-  return {bytes.begin(), bytes.end()};
-}
-
-template <class T>
-std::vector<T> values_of(const Bytes& bytes) {
-  std::vector<T> values(bytes.size() / sizeof(T));
-  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
-
-}  // namespace
 
 template <int D>
 HaloPlan find_halo(const Communicator& all, std::span<const Vec<D>> x, std::span<const GlobalId> ids, double reach,

@@ -18,17 +18,6 @@ std::size_t MpiTiling<D>::find_copies(const VecArray<D>& x, std::span<const Glob
   return ranks_.plan().halo;
 }
 
-template <int D>
-VecArray<D> MpiTiling<D>::gather(const VecArray<D>& places) const {
-  const auto own = std::as_bytes(std::span(places));
-  const std::vector<Bytes> to(static_cast<std::size_t>(all_.size()), Bytes(own.begin(), own.end()));
-  VecArray<D> whole;
-  for (const Bytes& from : all_.trade(to))
-    for (std::size_t at = 0; at < from.size(); at += sizeof(Vec<D>))
-      std::memcpy(whole.emplace_back().data(), from.data() + at, sizeof(Vec<D>));
-  return whole;
-}
-
 template class MpiTiling<2>;
 template class MpiTiling<3>;
 

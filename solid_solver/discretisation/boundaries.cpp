@@ -478,9 +478,11 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
 }
 
 template <int D>
-void fill_nodes(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, VecArray<D>& body,
-                const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
-                std::vector<Node<D>>& nodes) {
+void fill_nodes(const Setup<D>& setup, State<D>& state) {
+  Particles<D>& p = state.particles;
+  Neighbourhood<D>& near = state.near;
+  std::vector<Node<D>>& nodes = state.nodes;
+  const Stabilisers& stabilisers = setup.stabilisers;
   const double stiffness = stabilisers.hourglass_stiffness * stabilisers.modulus;
   const double softness = stiffness > 0.0 ? stabilisers.held / stiffness : 0.0;
   const std::size_t n = p.with_copies();
@@ -491,24 +493,25 @@ void fill_nodes(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, V
     node.velocity = p.velocity[i];
     node.volume = p.volume[i];
     node.density = p.mass[i] / p.volume[i];
-    double even = backing[i];
+    double even = state.backing[i];
     if (stabilisers.bulk > 0.0 && p.rubbing[i] <= 0.0F) {
       double share = 1.0;
       edge_stiffness<D>(node.upper.data(), share);
       even += share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
     node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
-    node.hourglass_level = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
-                           : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded + softness * root_j2(p.stress[i])
-                                                               : Node<D>::flows;
+    node.hourglass_level = p.plastic_strain[i] <= 0.0 ? Node<D>::elastic
+                           : p.plastic_strain[i] <= setup.flow_limit
+                               ? Node<D>::yielded + softness * root_j2(p.stress[i])
+                               : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
-  fill_copies(domain, std::span(nodes).first(n));
-  for (auto* vectors : {&p.velocity, &p.displacement, &body}) fill_copies(domain, std::span(*vectors));
-  if (domain.any(!p.slip.empty()))  // a rank without particles cannot tell by itself whether walls are frictional
-    for (auto* slips : {&p.slip, &p.slipped, &p.wall_slope}) fill_copies(domain, std::span(*slips));
-  fill_copies(domain, std::span(p.stress));
-  fill_copies(domain, std::span(p.plastic_strain));
+  fill_copies(setup.domain, std::span(nodes).first(n));
+  for (auto* vectors : {&p.velocity, &p.displacement, &state.body}) fill_copies(setup.domain, std::span(*vectors));
+  if (setup.boundaries.any_frictional())
+    for (auto* slips : {&p.slip, &p.slipped, &p.wall_slope}) fill_copies(setup.domain, std::span(*slips));
+  fill_copies(setup.domain, std::span(p.stress));
+  fill_copies(setup.domain, std::span(p.plastic_strain));
   parallel_for(near.behind_curved.size(), [&](std::size_t k) {
     ImageRule<D>& rule = near.images[near.behind_curved[k].image];
     turn_with_parent<D>(p.position[rule.parent], near.behind_curved[k], rule);
@@ -538,7 +541,7 @@ void fill_nodes(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, V
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
-      Vec<D> slope = body[rule.parent];
+      Vec<D> slope = state.body[rule.parent];
       if (std::isfinite(wall.friction)) slope += p.wall_slope[rule.parent];
       if (rule.curved && (std::isinf(wall.friction) || p.wall_slope[rule.parent].isZero(0.0)))
         slope += bent_stress<D>(wall, matrix_of<D>(p.stress[rule.parent]));
@@ -561,11 +564,14 @@ void fill_nodes(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, V
 }
 
 template <int D>
-void fill_velocities(const Domain& domain, Particles<D>& p, Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+void fill_velocities(const Setup<D>& setup, State<D>& state) {
+  Particles<D>& p = state.particles;
+  Neighbourhood<D>& near = state.near;
+  std::vector<Node<D>>& nodes = state.nodes;
   const std::size_t n = p.with_copies();
   carry_images(p.plates, near);
-  fill_copies(domain, std::span(p.velocity));
-  if (domain.any(!p.slip.empty())) fill_copies(domain, std::span(p.slip));
+  fill_copies(setup.domain, std::span(p.velocity));
+  if (setup.boundaries.any_frictional()) fill_copies(setup.domain, std::span(p.slip));
   for_rows(near.pairs, 0, p.size(), [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
   for (std::size_t j = p.size(); j < n; ++j) nodes[j].velocity = p.velocity[j];
   for (std::size_t k = 0; k < near.images.size(); ++k) {
@@ -590,11 +596,9 @@ template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, 
                                      std::span<const char>, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
                                      std::span<const char>, Neighbourhood<3>&);
-template void fill_nodes<2>(const Domain&, Particles<2>&, Neighbourhood<2>&, VecArray<2>&, const OrZero<double>&,
-                            double, const Stabilisers&, std::vector<Node<2>>&);
-template void fill_nodes<3>(const Domain&, Particles<3>&, Neighbourhood<3>&, VecArray<3>&, const OrZero<double>&,
-                            double, const Stabilisers&, std::vector<Node<3>>&);
-template void fill_velocities<2>(const Domain&, Particles<2>&, Neighbourhood<2>&, std::vector<Node<2>>&);
-template void fill_velocities<3>(const Domain&, Particles<3>&, Neighbourhood<3>&, std::vector<Node<3>>&);
+template void fill_nodes<2>(const Setup<2>&, State<2>&);
+template void fill_nodes<3>(const Setup<3>&, State<3>&);
+template void fill_velocities<2>(const Setup<2>&, State<2>&);
+template void fill_velocities<3>(const Setup<3>&, State<3>&);
 
 }  // namespace poretwin::solid

@@ -4,7 +4,6 @@
 
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
-#include "common/particles/domain.hpp"
 #include "common/particles/sight.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 
@@ -12,6 +11,9 @@
 #include <memory>
 
 namespace poretwin::solid {
+
+template <int D>
+struct Setup;
 
 /// All walls and periodic sides that make images of the soil: planes, or surfaces in place of the planes.
 template <int D>
@@ -58,16 +60,13 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
 /// Sets position, velocity, gradient, flux and hourglass level of the nodes, including copies of other ranks' particles
-/// and images. Brings what images of the copies need (velocity, displacement, slip, stress, plastic strain, body) up to
-/// date. body: force [N/m3] on each particle; it gives the slope of the stress at walls. backing: see State.
+/// and images. Brings what images of the copies need (velocity, displacement, slip, stress, plastic strain, body force)
+/// up to date.
 template <int D>
-void fill_nodes(const Domain& domain, Particles<D>& particles, Neighbourhood<D>& near, VecArray<D>& body,
-                const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
-                std::vector<Node<D>>& nodes);
+void fill_nodes(const Setup<D>& setup, State<D>& state);
 
 /// Sets only the velocities, between the two halves of a step.
 template <int D>
-void fill_velocities(const Domain& domain, Particles<D>& particles, Neighbourhood<D>& near,
-                     std::vector<Node<D>>& nodes);
+void fill_velocities(const Setup<D>& setup, State<D>& state);
 
 }  // namespace poretwin::solid

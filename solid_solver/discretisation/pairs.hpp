@@ -84,10 +84,10 @@ void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
 /// Lists the pairs closer than range [m]: pairs among the first n_real positions, which are particles, and pairs of
 /// these with the rest, which are copies of other ranks' particles and then images. copies_at_rest: for each copy 1
 /// where it is of a fixed or sleeping particle. Particles from n_free on are fixed. A free particle i sleeps where
-/// asleep[i]
-/// != 0 (asleep is empty if none sleeps). If no moving particle is within range, the row of a fixed particle is empty,
-/// and that of a sleeping one is marked as skipped. The rows are divided into n_parts parts of similar work. originals:
-/// if not empty, the particle of each image, which is seen only from this particle's side of the plane midway.
+/// asleep[i] != 0 (asleep is empty if none sleeps). If no moving particle is within range, the row of a fixed particle
+/// is empty, and that of a sleeping one is marked as skipped. The rows are divided into n_parts parts of similar work.
+/// originals: if not empty, the particle of each image, which is seen only from this particle's side of the plane
+/// midway.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
              std::size_t n_parts, std::span<const char> asleep, std::span<const Index> originals, Pairs& pairs,

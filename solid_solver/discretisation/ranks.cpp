@@ -6,6 +6,14 @@
 namespace poretwin::solid {
 namespace {
 
+/// Calls visit(array) for every array of the regions that sleep, in which fixed particles have no part.
+template <int D, class Visit>
+void for_each_array(Regions<D>& regions, const Visit& visit) {
+  for (auto* numbers : {&regions.last_active, &regions.sheared, &regions.saturation.values()}) visit(*numbers);
+  for (auto* vectors : {&regions.mark, &regions.outside}) visit(*vectors);
+  for (auto* flags : {&regions.calm, &regions.asleep}) visit(*flags);
+}
+
 /// Calls visit(array, entries per particle) for every array of the state that has entries for particles, except
 /// pair lists and what is used within a step only.
 template <int D, class Visit>
@@ -25,10 +33,7 @@ void for_each_array(const Setup<D>& setup, State<D>& state, const Visit& visit) 
   visit(state.external.saturation.values(), 1);
   visit(state.yielded, 1);
   visit(state.evened, 1);
-  Regions<D>& regions = state.regions;
-  for (auto* numbers : {&regions.last_active, &regions.sheared, &regions.saturation.values()}) visit(*numbers, 1);
-  for (auto* vectors : {&regions.mark, &regions.outside}) visit(*vectors, 1);
-  for (auto* flags : {&regions.calm, &regions.asleep}) visit(*flags, 1);
+  for_each_array(state.regions, [&](auto& array) { visit(array, 1); });
 }
 
 /// The arrays that any rank uses, with an entry for each of this rank's n particles: also for fixed ones, and without
@@ -60,14 +65,10 @@ VecArray<D> places_that_see_images(const Boundaries<D>& boundaries, double range
     const bool periodic = boundaries.kinds[k] == BoundaryKind::periodic;
     const auto undo = [&](const Vec<D>& x) {
       const double distance = plane.normal.dot(x - plane.point);
-      if (periodic)
-        views.push_back(x - plane.shift);
-      else if (distance < 0.0)
-        views.push_back(x - 2.0 * distance * plane.normal);
-      else
-        return;
+      if (!periodic && distance >= 0.0) return;
+      const Vec<D> seen = periodic ? Vec<D>(x - plane.shift) : Vec<D>(x - 2.0 * distance * plane.normal);
       // Images are made of particles within range of the plane.
-      if (std::abs(plane.normal.dot(views.back() - plane.point)) > 2.0 * range) views.pop_back();
+      if (std::abs(plane.normal.dot(seen - plane.point)) <= 2.0 * range) views.push_back(seen);
     };
     const std::size_t before = views.size();
     for (const auto& x : position) undo(x);
@@ -102,13 +103,8 @@ void share_out(const Setup<D>& setup, State<D>& state) {
   setup.tiling->send_to_owners(p.position, share.ids, arrays);
   const auto is_held = [&](GlobalId id) { return id >= share.first_held; };
   p.held = static_cast<std::size_t>(std::ranges::count_if(share.ids, is_held));
-  // Fixed particles come last. They have no part in regions that sleep.
-  Regions<D>& regions = state.regions;
   const std::size_t n = p.size(), n_free = p.free();
-  for (auto* numbers : {&regions.last_active, &regions.sheared, &regions.saturation.values()})
-    numbers->resize(std::min(numbers->size(), n_free));
-  for (auto* vectors : {&regions.mark, &regions.outside}) vectors->resize(std::min(vectors->size(), n_free));
-  for (auto* flags : {&regions.calm, &regions.asleep}) flags->resize(std::min(flags->size(), n_free));
+  for_each_array(state.regions, [&](auto& array) { array.resize(std::min(array.size(), n_free)); });
 
   const VecArray<D> views = places_that_see_images(setup.boundaries, setup.range(), p.position);
   const std::size_t copies = setup.tiling->find_copies(p.position, share.ids, setup.range(), views), all = n + copies;
@@ -122,7 +118,7 @@ void share_out(const Setup<D>& setup, State<D>& state) {
   fill_copies(setup.domain, std::span(p.position));
   fill_copies(setup.domain, std::span(p.mass));
   ScalarArray rests(all, 0.0);
-  for (std::size_t i = 0; i < n; ++i) rests[i] = i >= n_free || regions.sleeps(i) ? 1.0 : 0.0;
+  for (std::size_t i = 0; i < n; ++i) rests[i] = i >= n_free || state.regions.sleeps(i) ? 1.0 : 0.0;
   fill_copies(setup.domain, std::span(rests));
   share.at_rest.assign(copies, 0);
   std::transform(rests.begin() + static_cast<std::ptrdiff_t>(n), rests.end(), share.at_rest.begin(),

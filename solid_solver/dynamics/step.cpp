@@ -32,16 +32,14 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   refit_deformation<D>(p, state.near, setup.smoothing_length, state.nodes);
   state.rebuilds += 1.0;
   if (!setup.domain.any(!state.near.pairs.skipped.empty())) return;
-  fill_nodes<D>(setup.domain, p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
-                state.nodes);
+  fill_nodes(setup, state);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
 }
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
-  fill_nodes<D>(setup.domain, state.particles, state.near, state.body, state.backing, setup.flow_limit,
-                setup.stabilisers, state.nodes);
+  fill_nodes(setup, state);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
@@ -56,8 +54,7 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   const std::size_t n_free = state.particles.free();
-  fill_nodes<D>(setup.domain, state.particles, state.near, state.body, state.backing, setup.flow_limit,
-                setup.stabilisers, state.nodes);
+  fill_nodes(setup, state);
   internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
                     setup.stabilisers, state.kernel, state.force);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
@@ -120,7 +117,7 @@ template <int D>
 void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state) {
   Particles<D>& p = state.particles;
   const Pairs& pairs = state.near.pairs;
-  fill_velocities<D>(setup.domain, p, state.near, state.nodes);
+  fill_velocities(setup, state);
   velocity_gradient<D>(pairs, state.kernel, state.nodes);
   for_rows(pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {

@@ -177,7 +177,7 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   }
   for (std::size_t i = 0; i < p.free(); ++i)
     regions.calm[i] = regions.last_active[i] <= regions.clock - sleep::calm_after * bounds.way;
-  if (setup.domain.any(changed)) renew(setup, state);
+  if (changed) renew(setup, state);
 }
 
 template <int D>

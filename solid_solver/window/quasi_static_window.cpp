@@ -47,9 +47,9 @@ double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double int
 
 /// Rates [1/s] at which the particles' volumes change if the particles have these velocities [m/s].
 template <int D>
-ScalarArray dilation_of(const Domain& domain, VecArray<D> velocity, State<D>& state) {
+ScalarArray dilation_of(const Setup<D>& setup, VecArray<D> velocity, State<D>& state) {
   std::swap(state.particles.velocity, velocity);
-  fill_velocities<D>(domain, state.particles, state.near, state.nodes);
+  fill_velocities(setup, state);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
   std::swap(state.particles.velocity, velocity);
   ScalarArray rate(state.particles.size());
@@ -59,11 +59,11 @@ ScalarArray dilation_of(const Domain& domain, VecArray<D> velocity, State<D>& st
 
 /// Volumetric strain of every particle in a window in which it moves as predicted.
 template <int D>
-ScalarArray predicted_strain(const Domain& domain, double interval, const Drive<D>& tracking, State<D>& state) {
+ScalarArray predicted_strain(const Setup<D>& setup, double interval, const Drive<D>& tracking, State<D>& state) {
   VecArray<D> velocity = state.particles.velocity;
   for (std::size_t i = 0; i < velocity.size(); ++i)
     if (tracking.tracking[i] > 0.0) velocity[i] = tracking.target[i];
-  ScalarArray strain = dilation_of(domain, std::move(velocity), state);
+  ScalarArray strain = dilation_of(setup, std::move(velocity), state);
   for (double& e : strain) e *= interval;
   return strain;
 }
@@ -110,7 +110,7 @@ double departure_from(const Setup<D>& setup, double interval, const Tracking<D>&
   VecArray<D> departure(p.size(), Vec<D>::Zero());
   for (std::size_t i = 0; i < p.size(); ++i)
     if (drive.tracking[i] > 0.0) departure[i] = drive.target[i] - p.velocity[i];
-  const ScalarArray dilation = dilation_of(setup.domain, departure, state);
+  const ScalarArray dilation = dilation_of(setup, departure, state);
   ScalarArray force(p.size());
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (drive.tracking[i] <= 0.0) continue;
@@ -211,8 +211,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   // An isotropic stress resists dilation: a modulus times the difference of the volumetric strain from the predicted
   // strain.
   const ScalarArray volume = p.volume;
-  const ScalarArray strain_due =
-      answers.empty() ? ScalarArray() : predicted_strain(setup.domain, interval, tracking, state);
+  const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(setup, interval, tracking, state);
   const std::vector<PlateOrder<D>> orders = orders_at(setup.plates, end);
   const std::vector<PlateMotion<D>> plates_before = p.plates;
   if (!setup.plates.empty()) state.external.pressure_gradient = water.to;  // plates bear the pressure at the end
@@ -339,7 +338,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   if (setup.counts_impulses) state.from_outside += interval * force_from_outside(setup, state, drive);
   const double drained = drained_fraction(setup, p, interval);
   if (moved && state.any_yielded && drained > 0.0) {
-    fill_velocities<D>(setup.domain, p, state.near, state.nodes);
+    fill_velocities(setup, state);
     velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
     store_plastic_shear_ratio(plastic_before, interval, drained, state);
   }

@@ -45,7 +45,7 @@ std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
 template <int D>
 void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Vec<D>(const Vec<D>&)>& v) {
   for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
-  fill_nodes<D>({}, state.particles, state.near, state.body, {}, setup.flow_limit, setup.stabilisers, state.nodes);
+  fill_nodes(setup, state);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 

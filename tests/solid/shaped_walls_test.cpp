@@ -203,7 +203,7 @@ TEST(SoilInShapedWalls, IsNotStrainedWhereItTurnsInACylinder) {
   auto [setup, state] = laid(pipe(false, Wall::ForSoil::roller));
   auto& p = state.particles;
   for (std::size_t i = 0; i < p.size(); ++i) p.velocity[i] = turning(p.position[i]);
-  fill_velocities<3>({}, p, state.near, state.nodes);
+  fill_velocities(setup, state);
   velocity_gradient<3>(state.near.pairs, state.kernel, state.nodes);
   double square = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {

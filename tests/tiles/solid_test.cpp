@@ -132,7 +132,7 @@ struct Shared {
   Errors errors() const {
     const Particles<D>& own = part.state().particles;
     Errors error = differences<D>(whole.state().particles, own, [&](std::size_t k) { return own.share.ids[k]; });
-    const auto ids = gathered(own.share.ids);
+    const auto ids = all_ranks().gather_all(own.share.ids);
     EXPECT_EQ(ids.size(), whole.state().particles.size());
     EXPECT_EQ(std::set<GlobalId>(ids.begin(), ids.end()).size(), ids.size());
     const auto& domain = part.setup().domain;
@@ -146,17 +146,6 @@ struct Shared {
   std::shared_ptr<MpiTiling<D>> tiling;
   Solid<D> whole, part;
   std::uint64_t step = 0;
-
- private:
-  static std::vector<GlobalId> gathered(const std::vector<GlobalId>& ids) {
-    const auto bytes = std::as_bytes(std::span(ids));
-    std::vector<GlobalId> everywhere;
-    for (const auto& from : all_ranks().trade(std::vector<tiles::Bytes>(static_cast<std::size_t>(all_ranks().size()),
-                                                                        tiles::Bytes(bytes.begin(), bytes.end()))))
-      for (std::size_t at = 0; at < from.size(); at += sizeof(GlobalId))
-        std::memcpy(&everywhere.emplace_back(), &from[at], sizeof(GlobalId));
-    return everywhere;
-  }
 };
 
 template <int D>
