@@ -40,7 +40,7 @@ struct CommandLine::Arguments {
   bool any_address = false, page = false, no_pictures = false, quiet = false, resume = false, profile = false,
        overwrite = false, accept_changed_program = false, python = false;
   std::optional<double> checkpoint_every;
-  int restarts = 2;
+  int restarts = 2, tiles = 1;
   std::string json;
   VerifyOptions verify;
   ElementOptions element;
@@ -74,6 +74,7 @@ int run(const Arguments& a, JsonOutput& json) {
   options.checkpoint_every = a.checkpoint_every;
   options.restarts = a.restarts;
   options.profile = a.profile;
+  options.tiles = a.tiles;
   const RunResult result = run_case(options);
   if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
   if (json.wanted()) json.write(run_json(place.name, place.file, options.out, result));
@@ -248,6 +249,12 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   run_command->add_option("--restarts", a.restarts, "after a crash, from the last checkpoint, at most so often")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  run_command
+      ->add_option("--tiles", a.tiles,
+                   "number of processes that share the soil, each with a tile of space (mpirun; dry soil only)")
+      ->type_name("P")
+      ->check(CLI::Range(1, 4096).description(""))
       ->capture_default_str();
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--profile", a.profile,

@@ -93,14 +93,14 @@ struct Child {
 /// Runs in the child process after fork. Only async-signal-safe calls are allowed before exec, so that everything is
 /// prepared by the parent.
 [[noreturn]] void become(const std::vector<char*>& arguments, const std::vector<char*>& environment, int log,
-                         int progress, int report, const sigset_t& mask, pid_t parent) {
+                         int output, int progress, int report, const sigset_t& mask, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (::getppid() != parent) ::_exit(127);
   ::sigprocmask(SIG_SETMASK, &mask, nullptr);
   const int nothing = ::open("/dev/null", O_RDONLY);
   ::dup2(nothing, STDIN_FILENO);
-  ::dup2(log, STDOUT_FILENO);
+  ::dup2(output, STDOUT_FILENO);
   ::dup2(log, STDERR_FILENO);
   if (progress >= 0) ::fcntl(progress, F_SETFD, 0);
   ::execve(arguments.front(), arguments.data(), environment.data());
@@ -149,15 +149,17 @@ Child start(const Program& program, const Signals& signals) {
   if (program.reports_progress) {
     progress = make_pipe();
     ::fcntl(progress[0].get(), F_SETFL, O_NONBLOCK);
-    texts.insert(texts.end(), {"--progress-fd", std::to_string(progress[1].get())});
+    const int seen_as = program.progress_on_stdout ? STDOUT_FILENO : progress[1].get();
+    texts.insert(texts.end(), {"--progress-fd", std::to_string(seen_as)});
   }
   auto report = make_pipe();
   auto variables = environment_of(program);
   const auto arguments = pointers(texts), environment = pointers(variables);
   const pid_t parent = ::getpid();
+  const int output = program.progress_on_stdout ? progress[1].get() : log.get();
   child.pid = ::fork();
   if (child.pid == 0)
-    become(arguments, environment, log.get(), progress[1].get(), report[1].get(), signals.before(), parent);
+    become(arguments, environment, log.get(), output, progress[1].get(), report[1].get(), signals.before(), parent);
   if (child.pid < 0)
     throw FileError(fmt::format("{}: cannot be started: {}", program.file.string(), std::strerror(errno)));
   ::setpgid(child.pid, child.pid);
@@ -259,11 +261,15 @@ class Watch {
     }
     result_.interrupted = true;
     interrupted_at_ = Clock::now();
-    fmt::print(stderr,
-               "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
-               "up; another signal ends at once after {} s\n",
-               std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
-    end_all(SIGINT);
+    fmt::print(
+        stderr,
+        "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
+        "up; another signal ends at once after {} s\n",
+        std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
+    for (auto& child : children_) {
+      const int asked = child.program.asked_to_stop_by;
+      end(child, asked != 0 ? asked : SIGINT);
+    }
     schedule(SIGTERM, patience_.after_interrupt);
   }
 
@@ -279,12 +285,13 @@ class Watch {
     schedule(SIGKILL, patience_.after_term);
   }
 
+  static void end(Child& child, int signal) {
+    if (!child.running) return;
+    child.asked_to_end = true;
+    ::kill(child.pid, signal);
+  }
   void end_all(int signal) {
-    for (auto& child : children_) {
-      if (!child.running) continue;
-      child.asked_to_end = true;
-      ::kill(child.pid, signal);
-    }
+    for (auto& child : children_) end(child, signal);
   }
 
   const std::function<void(const std::string&)>& progress_;

@@ -20,7 +20,9 @@ struct Program {
   std::map<std::string, std::string> environment;  ///< variables in addition to those of this process
   std::filesystem::path log;                       ///< file for its stdout and stderr
   bool reports_progress = false;                   ///< "--progress-fd N" is passed to it
-  bool goes_on = false;                            ///< its run is resumed: append to the log
+  bool progress_on_stdout = false;  ///< N is its stdout, then: for programs started through another one, such as mpirun
+  int asked_to_stop_by = 0;         ///< signal that asks it to finish the window and stop; 0: SIGINT
+  bool goes_on = false;             ///< its run is resumed: append to the log
 };
 
 struct Ended {

@@ -5,6 +5,7 @@
 #include "cli/locate.hpp"
 #include "cli/log_tail.hpp"
 #include "cli/progress.hpp"
+#include "cli/ranks.hpp"
 #include "cli/run_folder.hpp"
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
@@ -132,7 +133,7 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   };
   std::vector<Program> programs;
   if (!scene.coupled()) {
-    programs.push_back(program(scene.deformable() ? "solid" : "fluid", {"--alone"}));
+    programs.push_back(over_ranks(options.tiles, program(scene.deformable() ? "solid" : "fluid", {"--alone"})));
     programs.back().reports_progress = true;
     return programs;
   }
@@ -361,6 +362,7 @@ RunResult run_case(const RunOptions& options) {
   if (!scene.coupled() && !(options.fluid.empty() && options.solid.empty()))
     throw CaseError(
         "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
+  if (options.tiles > 1) expect_tiles(options, scene);
   expect_memory(scene);
   const RunIdentity identity = identity_of(options, scene);
   const std::string leader = leader_of(scene), out = options.out.string();

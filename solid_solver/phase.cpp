@@ -87,9 +87,14 @@ void Solid<D>::restore() {
 }
 
 template <int D>
+void Solid<D>::take_over(State<D> state) {
+  state_ = std::move(state);
+  cache_.forget();
+}
+
+template <int D>
 void Solid<D>::archive(Archive& archive) {
-  if (setup_.tiling)
-    throw Error(ExitCode::failure, "checkpoints of soil that several ranks share are not possible yet");
+  if (setup_.tiling) throw Error(ExitCode::failure, "checkpoints hold the soil of all ranks, this is one rank's share");
   archive(state_, rest_, safety_);
   cache_.forget();
 }

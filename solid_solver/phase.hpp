@@ -32,6 +32,9 @@ class Solid final : public Phase {
 
   /// For tests and tools that inspect the state.
   [[nodiscard]] const State<D>& state() const { return state_; }
+  /// For ranks that share the soil (shared_solid.hpp): this state takes the place of the present one.
+  void take_over(State<D> state);
+  [[nodiscard]] const RestReport& rest() const { return rest_; }
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:

@@ -198,11 +198,8 @@ void expect_possible_on_ranks(const Case& scene) {
           fmt::format("several ranks cannot share this soil yet: {}; {}, or run the case on one rank", what, instead));
   };
   refuse(scene.coupled() || !scene.pore_pressures.empty(), "water acts on it", "leave out the water");
-  refuse(scene.solid.initial_rest, "its rest before time zero is searched for", "set solid.initial_rest = false");
   refuse(!scene.loads.empty(), "[[load]]: loads act on it", "leave out the loads");
   refuse(!scene.plates.empty(), "[[plate]]: plates press on it", "leave out the plates");
-  refuse(std::ranges::any_of(scene.gauges, [](const Gauge& gauge) { return gauge.phase == "solid"; }),
-         "[[gauge]]: gauges read it", "leave out the gauges");
   refuse(scene.solid.artificial_stress > 0.0, "solid.artificial_stress is above 0", "set it to 0");
   for (const Wall& wall : scene.walls) {
     if (wall.soil == Wall::ForSoil::none) continue;

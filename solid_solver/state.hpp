@@ -32,7 +32,7 @@ struct PlateMotion {
 };
 
 /// Which particles of the whole run this rank has, where several ranks share the soil (discretisation/ranks.hpp).
-/// Checkpoints of several ranks are refused, so that nothing of it is stored.
+/// Checkpoints hold the soil of all ranks, so that nothing of it is stored.
 struct RankShare {
   std::vector<GlobalId> ids;  ///< of this rank's particles, ascending; empty where one rank has all
   GlobalId first_held = 0;    ///< the fixed particles have the ids from here on

@@ -1,4 +1,5 @@
-// Ctrl-C and SIGTERM set a flag that the loops check, so that a window is finished and recorded before a process ends.
+// Ctrl-C, SIGTERM and SIGUSR1 set a flag that the loops check, so that a window is finished and recorded before a
+// process ends.
 #pragma once
 
 namespace poretwin::coupling {
@@ -7,8 +8,9 @@ namespace poretwin::coupling {
 /// to every process and another to the group; the second must not prevent the checkpoint.
 inline constexpr int stop_grace = 10;
 
-/// While a guard exists, SIGINT and SIGTERM only set a flag; a signal later than stop_grace after the first ends the
-/// process immediately. Broken pipes and files at their size limit cause errors instead of signals.
+/// While a guard exists, SIGINT, SIGTERM and SIGUSR1 (which mpirun passes on to its ranks, other than SIGINT) only set
+/// a flag; a signal later than stop_grace after the first ends the process immediately. Broken pipes and files at their
+/// size limit cause errors instead of signals.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -4,6 +4,8 @@
 #include "common/particles/domain.hpp"
 #include "common/particles/particle_arrays.hpp"
 
+#include <string>
+
 namespace poretwin {
 
 /// One tile of space for each rank, which owns the particles in it. All ranks call the same functions in the same
@@ -26,6 +28,13 @@ class Tiling {
                                                 std::span<const Vec<D>> views) = 0;
   /// The places [m] that all ranks name, in the order of the ranks.
   [[nodiscard]] virtual VecArray<D> gather(const VecArray<D>& places) const = 0;
+  /// Whether this rank is the one that leads: it reads and writes files, and is asked for results.
+  [[nodiscard]] virtual bool leads() const = 0;
+  /// Sends all particles, with their ids and their entries in all arrays, to the rank that leads, where they stand in
+  /// ascending order of their ids; the others have none afterwards.
+  virtual void send_to_leader(std::vector<GlobalId>& ids, const ParticleArrays& arrays) const = 0;
+  /// On every rank the bytes that the rank that leads gives.
+  [[nodiscard]] virtual std::string from_leader(const std::string& bytes) const = 0;
 };
 
 }  // namespace poretwin

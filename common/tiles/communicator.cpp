@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -186,6 +187,12 @@ std::vector<Bytes> Communicator::trade(std::span<const Bytes> to) const {
   }
   begin(out, in).finish();
   return from;
+}
+
+Bytes Communicator::from_first(const Bytes& own) const {
+  std::vector<Bytes> to(static_cast<std::size_t>(size()));
+  if (rank() == 0) std::ranges::fill(to, own);
+  return trade(to).front();
 }
 
 int run_as_rank(int argc, char** argv, const std::function<int(const Communicator&)>& work) {

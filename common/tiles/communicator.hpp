@@ -17,9 +17,13 @@ using Bytes = std::vector<std::byte>;
 
 /// Values as a message, and a message as values. Types whose bytes are their value (Plain in particle_arrays.hpp).
 template <class T>
-Bytes bytes_of(const std::vector<T>& values) {
-  const auto bytes = std::as_bytes(std::span(values));
+Bytes bytes_of(std::span<const T> values) {
+  const auto bytes = std::as_bytes(values);
   return {bytes.begin(), bytes.end()};
+}
+template <class T, class Allocator>
+Bytes bytes_of(const std::vector<T, Allocator>& values) {
+  return bytes_of(std::span<const T>(values));
 }
 template <class T>
 std::vector<T> values_of(const Bytes& bytes) {
@@ -89,6 +93,9 @@ class Communicator {
   /// Sends to[r] to each rank r, and returns what each rank sent to this one, in the order of the ranks; lengths as
   /// they come.
   [[nodiscard]] std::vector<Bytes> trade(std::span<const Bytes> to) const;
+
+  /// On every rank what rank 0 gives; what the others give does not count.
+  [[nodiscard]] Bytes from_first(const Bytes& own) const;
 
   /// What each rank gives, in the order of the ranks, however many values each has.
   template <class T>

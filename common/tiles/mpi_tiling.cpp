@@ -18,6 +18,17 @@ std::size_t MpiTiling<D>::find_copies(const VecArray<D>& x, std::span<const Glob
   return ranks_.plan().halo;
 }
 
+template <int D>
+void MpiTiling<D>::send_to_leader(std::vector<GlobalId>& ids, const ParticleArrays& arrays) const {
+  migrate(all_, std::vector<int>(ids.size(), 0), ids, arrays);
+}
+
+template <int D>
+std::string MpiTiling<D>::from_leader(const std::string& bytes) const {
+  const Bytes all = all_.from_first(bytes_of(std::span<const char>(bytes)));
+  return {reinterpret_cast<const char*>(all.data()), all.size()};
+}
+
 template class MpiTiling<2>;
 template class MpiTiling<3>;
 

@@ -21,7 +21,8 @@ void for_each_array(const Setup<D>& setup, State<D>& state, const Visit& visit) 
   Particles<D>& p = state.particles;
   std::size_t remembered = 0;
   for (const auto& model : setup.models) remembered = std::max(remembered, model->state_size());
-  for (auto* vectors : {&p.position, &p.displacement, &p.velocity, &p.slip, &p.slipped, &p.wall_slope, &state.body})
+  for (auto* vectors : {&p.position, &p.displacement, &p.velocity, &p.slip, &p.slipped, &p.wall_slope, &state.body,
+                        &state.rest_displacement.values()})
     visit(*vectors, 1);
   for (auto* numbers : {&p.mass, &p.volume, &p.plastic_strain}) visit(*numbers, 1);
   visit(p.stress, 1);
@@ -125,6 +126,25 @@ void share_out(const Setup<D>& setup, State<D>& state) {
                  [](double rest) { return rest > 0.0 ? char{1} : char{0}; });
 }
 
+template <int D>
+State<D> collected(const Setup<D>& setup, const State<D>& state) {
+  State<D> whole = state;
+  Particles<D>& p = whole.particles;
+  const ParticleArrays arrays = arrays_of(setup, whole, p.size());
+  setup.tiling->send_to_leader(p.share.ids, arrays);
+  p.held = static_cast<std::size_t>(
+      std::ranges::count_if(p.share.ids, [&](GlobalId id) { return id >= p.share.first_held; }));
+  p.share = {};
+  whole.near = {};
+  whole.kernel.clear();
+  for_each_array(whole.regions, [&](auto& array) { array.resize(std::min(array.size(), p.free())); });
+  for (double* counter : {&whole.regions.watched, &whole.regions.slept}) *counter = setup.domain.sum(*counter);
+  setup.domain.sum({whole.from_outside.data(), D});
+  return whole;
+}
+
+template State<2> collected<2>(const Setup<2>&, const State<2>&);
+template State<3> collected<3>(const Setup<3>&, const State<3>&);
 template void begin_with_share<2>(const Setup<2>&, State<2>&);
 template void begin_with_share<3>(const Setup<3>&, State<3>&);
 template void share_out<2>(const Setup<2>&, State<2>&);

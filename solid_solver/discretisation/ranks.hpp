@@ -26,6 +26,11 @@ void begin_with_share(const Setup<D>& setup, State<D>& state);
 template <int D>
 void share_out(const Setup<D>& setup, State<D>& state);
 
+/// The whole soil on the rank that leads, as one rank has it, without lists; on the others a soil without particles.
+/// Called by all ranks.
+template <int D>
+State<D> collected(const Setup<D>& setup, const State<D>& state);
+
 /// Places [m] on all ranks.
 template <int D>
 VecArray<D> of_all_ranks(const Setup<D>& setup, VecArray<D> places) {

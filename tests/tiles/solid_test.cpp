@@ -282,9 +282,6 @@ TEST(SharedSoil, RefusesWhatItCannotCompute) {
   };
   const Case possible = block<2>();
   Case scene = possible;
-  scene.solid.initial_rest = true;
-  expect_refused(scene, "solid.initial_rest");
-  scene = possible;
   scene.pore_pressures.emplace_back();
   expect_refused(scene, "water");
   scene = possible;
@@ -293,9 +290,6 @@ TEST(SharedSoil, RefusesWhatItCannotCompute) {
   scene = possible;
   scene.plates.emplace_back();
   expect_refused(scene, "[[plate]]");
-  scene = possible;
-  scene.gauges = {point_gauge<2>("here", "velocity", {Point3::Zero()})};
-  expect_refused(scene, "[[gauge]]");
   scene = possible;
   scene.solid.artificial_stress = 0.3;
   expect_refused(scene, "solid.artificial_stress");

@@ -1,0 +1,65 @@
+#include "cli/ranks.hpp"
+
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <string_view>
+
+namespace poretwin::cli {
+namespace fs = std::filesystem;
+namespace {
+
+/// Whether the solvers beside this program were built with MPI.
+constexpr bool has_tiles =
+#ifdef PORETWIN_HAS_TILES
+    true;
+#else
+    false;
+#endif
+
+/// The file of a program that the shell would find; empty if there is none.
+fs::path found_in_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (const fs::path file = fs::path(folder) / program; ::access(file.c_str(), X_OK) == 0) return file;
+  return {};
+}
+
+}  // namespace
+
+void expect_tiles(const RunOptions& options, const Case& scene) {
+  const auto refuse = [&](std::string_view why) { throw CaseError(fmt::format("--tiles {}: {}", options.tiles, why)); };
+  if (scene.coupled() || !scene.deformable())
+    refuse("expected a case of dry soil, found water: so far only dry soil can be shared by several processes");
+  if (!options.solid.empty()) refuse("expected poretwin's own solid solver, found --solid");
+  if (!has_tiles)
+    refuse(
+        "the solvers were built without MPI: install libopenmpi-dev, openmpi-bin and libtrilinos-zoltan-dev, "
+        "then build again");
+  if (found_in_path("mpirun").empty()) refuse("expected mpirun in PATH, found none: install openmpi-bin");
+}
+
+Program over_ranks(int ranks, Program solver) {
+  if (ranks == 1) return solver;
+  std::vector<std::string> started{"--quiet", "--oversubscribe",     "--bind-to",         "none",
+                                   "-n",      std::to_string(ranks), solver.file.string()};
+  solver.file = found_in_path("mpirun");
+  solver.arguments.insert(solver.arguments.begin(), started.begin(), started.end());
+  solver.progress_on_stdout = true;
+  solver.asked_to_stop_by = SIGUSR1;
+  solver.environment["OMP_NUM_THREADS"] = std::to_string(std::max(1, available_threads() / ranks));
+  // mpirun asks root twice. Ranks on one machine: the fast way to copy between processes is often forbidden in
+  // containers, and OpenMPI complains of it.
+  solver.environment["OMPI_ALLOW_RUN_AS_ROOT"] = solver.environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";
+  solver.environment["OMPI_MCA_btl_vader_single_copy_mechanism"] = "none";
+  return solver;
+}
+
+}  // namespace poretwin::cli

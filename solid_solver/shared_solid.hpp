@@ -1,0 +1,46 @@
+// Soil that several ranks share, as a phase. Each rank computes its share; the one that leads collects the whole soil
+// where it is read as a whole: for frames, gauges and checkpoints.
+#pragma once
+
+#include "solid_solver/phase.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace poretwin::solid {
+
+/// All ranks call the same functions in the same order, except contract(), save(), restore(), may_reject() and
+/// warnings(), which concern one rank. Frames, gauges, counters and checkpoints of the rank that leads are those of the
+/// whole soil; the others have empty ones. A checkpoint is the one that a single rank would write, so that any number
+/// of ranks can go on from it.
+template <int D>
+class SharedSolid final : public Phase {
+ public:
+  SharedSolid(const Case& scene, std::shared_ptr<Tiling<D>> tiling);
+  [[nodiscard]] coupling::Contract contract() const override { return own_.contract(); }
+  [[nodiscard]] coupling::Publication publish() const override { return own_.publish(); }
+  [[nodiscard]] std::pair<double, std::string> proposal() const override { return own_.proposal(); }
+  [[nodiscard]] bool may_reject() const override { return own_.may_reject(); }
+  void initialise(const coupling::Inbox& inbox) override;
+  coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override {
+    return own_.advance(window, inbox);
+  }
+  void save() override { own_.save(); }
+  void restore() override { own_.restore(); }
+  void archive(Archive& archive) override;
+  [[nodiscard]] OutputFrame frame() const override;
+  [[nodiscard]] std::vector<GaugeReading> gauges() const override;
+  [[nodiscard]] std::map<std::string, double> counters() const override;
+  [[nodiscard]] std::vector<Warning> warnings() const override;
+
+ private:
+  /// Brings `whole_` up to date.
+  void collect() const;
+  /// Gives each rank its share of the whole soil.
+  void share();
+
+  Solid<D> own_;
+  mutable std::optional<Solid<D>> whole_;  ///< on the rank that leads: all soil, as one rank has it
+};
+
+}  // namespace poretwin::solid
