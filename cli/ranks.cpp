@@ -48,8 +48,8 @@ void expect_tiles(const RunOptions& options, const Case& scene) {
 
 Program over_ranks(int ranks, Program solver) {
   if (ranks == 1) return solver;
-  std::vector<std::string> started{"--quiet", "--oversubscribe",     "--bind-to",         "none",
-                                   "-n",      std::to_string(ranks), solver.file.string()};
+  std::vector<std::string> started{"--oversubscribe",     "--bind-to",         "none", "-n",
+                                   std::to_string(ranks), solver.file.string()};
   solver.file = found_in_path("mpirun");
   solver.arguments.insert(solver.arguments.begin(), started.begin(), started.end());
   solver.progress_on_stdout = true;

@@ -50,12 +50,16 @@ std::string last_words(const fs::path& log) {
   for (std::string line; std::getline(stream, line);)
     if (!line.empty()) lines.push_back(line);
   if (lines.empty()) return "(its log is empty)";
-  // The text begins at the last line with an error; without one, it consists of the last three lines.
-  auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin();
+  // The text begins at the last line with an error and ends before what mpirun says of it, between lines of dashes;
+  // without an error, it consists of the last three lines.
+  auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin(), last = lines.end();
   for (auto line = lines.begin(); line != lines.end(); ++line)
-    if (line->find("error:") != std::string::npos) first = line;
+    if (line->find("error:") != std::string::npos) {
+      first = line;
+      last = std::find_if(line, lines.end(), [](const std::string& l) { return l.starts_with("----------"); });
+    }
   std::string text;
-  for (; first != lines.end(); ++first) text += (text.empty() ? "" : "\n  ") + *first;
+  for (; first != last; ++first) text += (text.empty() ? "" : "\n  ") + *first;
   return text;
 }
 

@@ -210,7 +210,7 @@ int run_as_rank(int argc, char** argv, const std::function<int(const Communicato
   MPI_Comm handle = mpi->handle;
   const std::string me = who(*mpi);
   const auto end_all = [&](const char* reason, ExitCode code) {
-    std::fputs(fmt::format("{} ends the run: {}\n", me, reason).c_str(), stderr);
+    std::fputs(fmt::format("{}: error: {}\n", me, reason).c_str(), stderr);
     std::fflush(stderr);
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
     return static_cast<int>(code);

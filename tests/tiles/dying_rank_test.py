@@ -30,7 +30,7 @@ class DyingRank(unittest.TestCase):
     def test_an_exception_ends_all_ranks_with_its_exit_code(self):
         done = self.run_until_death("throw")
         self.assertEqual(done.returncode, 4)
-        self.assertIn("rank 1 of 3 ends the run: particle 7 is at (nan, 0) m", done.stderr)
+        self.assertIn("rank 1 of 3: error: particle 7 is at (nan, 0) m", done.stderr)
 
 
 if __name__ == "__main__":

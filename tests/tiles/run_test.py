@@ -1,0 +1,132 @@
+"""`poretwin run --tiles P`: results as of one process; a run that is stopped or killed goes on, on another number of ranks; what several
+processes cannot compute is refused before anything starts. Arguments: program, folder of the sources."""
+import json, os, shutil, signal, subprocess, sys, tempfile, time, unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+program, sources = sys.argv[1], Path(sys.argv[2])
+coarse = ["--set", "solid.particle_spacing=0.01", "--set", "output.gauge_interval=0.02", "--no-pictures"]
+
+
+def ranks_below(pid):
+    """Process ids of poretwin-solid below the process `pid`, in the order of their ranks."""
+    found, open_ = [], [pid]
+    while open_:
+        parent = open_.pop()
+        try:
+            children = [int(c) for c in Path(f"/proc/{parent}/task/{parent}/children").read_text().split()]
+        except OSError:
+            continue
+        open_ += children
+        for child in children:
+            try:
+                if Path(f"/proc/{child}/comm").read_text().strip() == "poretwin-solid":
+                    variables = Path(f"/proc/{child}/environ").read_bytes().split(b"\0")
+                    found.append((next(int(v[21:]) for v in variables if v.startswith(b"OMPI_COMM_WORLD_RANK=")), child))
+            except (OSError, StopIteration):
+                pass
+    return [child for _, child in sorted(found)]
+
+
+def is_running(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        if time.monotonic() > end:
+            raise AssertionError("waited in vain")
+        time.sleep(0.02)
+    return found
+
+
+class Tiles(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="poretwin-tiles-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def command(self, out, *more, case="column_collapse"):
+        return [program, "run", str(sources / "cases" / case), "--out", str(self.folder / out), *coarse, *more]
+
+    def run_to_the_end(self, out, *more, **which):
+        return subprocess.run(self.command(out, *more, **which), capture_output=True, text=True, timeout=280)
+
+    def last_frame(self, out, field):
+        with h5py.File(self.folder / out / "solid.vtkhdf") as file:
+            group = file["VTKHDF"]
+            n = int(group["NumberOfPoints"][-1])
+            return group["PointData"][field][-n:]
+
+    def expect_same(self, one, other, allowed):
+        for field in ("displacement", "velocity", "effective_stress", "accumulated_plastic_strain"):
+            a, b = self.last_frame(one, field), self.last_frame(other, field)
+            self.assertEqual(a.shape, b.shape)
+            self.assertLessEqual(np.abs(a - b).max(), allowed * np.abs(a).max(), field)
+
+    def test_gives_the_results_of_one_process(self):
+        end = ["--set", "case.end_time=0.1"]
+        for out, more in (("one", []), ("two", ["--tiles", "2", "--json", str(self.folder / "report.json")])):
+            ended = self.run_to_the_end(out, *end, *more)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+        report = json.loads((self.folder / "report.json").read_text())
+        with h5py.File(self.folder / "two" / "solid.vtkhdf") as file:
+            n = int(file["VTKHDF"]["NumberOfPoints"][-1])
+        self.assertGreaterEqual(report["processes"][0]["counters"]["particles"], n)
+        self.expect_same("one", "two", 1e-6)  # flowing soil departs from 1e-13 by itself: decision 0039
+        gauges = [np.genfromtxt(self.folder / out / "gauges.csv", delimiter=",", names=True, dtype=None, encoding="utf8") for out in ("one", "two")]
+        self.assertEqual(len(gauges[0]), len(gauges[1]))
+
+    def test_stopped_goes_on_with_another_number_of_ranks(self):
+        end = ["--set", "case.end_time=0.6"]
+        running = subprocess.Popen(self.command("run", *end, "--tiles", "2"), stderr=subprocess.PIPE, text=True)
+        wait_for(lambda: (self.folder / "run" / "solid.vtkhdf").exists() and len(ranks_below(running.pid)) == 2)
+        time.sleep(0.2)
+        running.send_signal(signal.SIGINT)
+        said = running.communicate(timeout=60)[1]
+        self.assertEqual(running.returncode, 130, said)
+        self.assertTrue(list((self.folder / "run" / "checkpoints").iterdir()))
+        ended = self.run_to_the_end("run", *end, "--tiles", "3", "--resume")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        with h5py.File(self.folder / "run" / "solid.vtkhdf") as file:
+            times = file["VTKHDF"]["Steps"]["Values"][:]
+        self.assertAlmostEqual(times[-1], 0.6)
+        self.assertTrue((np.diff(times) > 0.0).all())
+
+    def test_ends_when_a_rank_dies(self):
+        running = subprocess.Popen(self.command("run", "--set", "case.end_time=6", "--tiles", "3"), stderr=subprocess.PIPE, text=True)
+        pids = wait_for(lambda: (found := ranks_below(running.pid)) and len(found) == 3 and (self.folder / "run" / "solid.vtkhdf").exists() and found)
+        start = time.monotonic()
+        os.kill(pids[2], signal.SIGKILL)
+        said = running.communicate(timeout=60)[1]
+        self.assertLess(time.monotonic() - start, 5.0)
+        self.assertNotEqual(running.returncode, 0)
+        self.assertIn("rank 2", said)
+        wait_for(lambda: not any(is_running(pid) for pid in pids), 3)
+
+    def test_refuses_what_it_cannot_compute(self):
+        for case, more, text in (("dam_break", ["--tiles", "2"], "--tiles 2: expected a case of dry soil, found water"),
+                                 ("terzaghi", ["--tiles", "2"], "expected a case of dry soil, found water"),
+                                 ("column_collapse", ["--tiles", "0"], "--tiles"),
+                                 ("column_collapse", ["--tiles", "2", "--solid", "mine"], "--solid"),
+                                 ("footing", ["--tiles", "2"], "[[plate]]")):
+            with self.subTest(case=case, more=more):
+                ended = self.run_to_the_end("refused", *more, case=case)
+                self.assertNotEqual(ended.returncode, 0)
+                self.assertIn(text, ended.stderr)
+                if text != "[[plate]]":
+                    self.assertFalse((self.folder / "refused").exists())
+
+    def test_names_the_rank_that_fails(self):
+        ended = self.run_to_the_end("failed", "--tiles", "2", "--set", "solid.initial_velocity=[500, 0]")
+        self.assertNotEqual(ended.returncode, 0)
+        self.assertIn("the soil diverged", ended.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
