@@ -4,6 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 . scripts/setup.sh
 
+case " $* " in *" --tiles "*) packages+=" $tiles_packages" ;; esac
 install_packages
 build release poretwin poretwin-coupler poretwin-fluid poretwin-pore poretwin-joint poretwin-solid
 say "running: ${1:-terzaghi}"

@@ -14,7 +14,7 @@ shift || true
 targets=() labels=() commands=($test_commands)
 case $preset in
   asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') commands=() ;;
-  full) packages+=" ffmpeg fish libopenmpi-dev libtrilinos-zoltan-dev lintian man-db mypy openmpi-bin paraview python3-build python3-paraview python3-setuptools python3-wheel xvfb zsh" ;; # where these are missing, parts of some tests are skipped
+  full) packages+=" ffmpeg fish $tiles_packages lintian man-db mypy paraview python3-build python3-paraview python3-setuptools python3-wheel xvfb zsh" ;; # where these are missing, parts of some tests are skipped
 esac
 install_packages "${commands[@]}"
 if [ "$preset" = full ]; then

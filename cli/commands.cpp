@@ -204,6 +204,14 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
                      "folder of poretwin-fluid, poretwin-solid, poretwin-coupler (default: beside poretwin)")
         ->type_name("DIR");
   };
+  const auto with_tiles = [](CLI::App* command, int& tiles) {
+    command
+        ->add_option("--tiles", tiles,
+                     "number of processes that share the soil, each with a tile of space (mpirun; dry soil only)")
+        ->type_name("P")
+        ->check(CLI::Range(1, 4096).description(""))
+        ->capture_default_str();
+  };
   const auto with_json = [&](CLI::App* command) {
     command
         ->add_option("--json", a.json,
@@ -250,12 +258,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
       ->type_name("N")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  run_command
-      ->add_option("--tiles", a.tiles,
-                   "number of processes that share the soil, each with a tile of space (mpirun; dry soil only)")
-      ->type_name("P")
-      ->check(CLI::Range(1, 4096).description(""))
-      ->capture_default_str();
+  with_tiles(run_command, a.tiles);
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--profile", a.profile,
                         "leave trace.json: what each process did when, for chrome://tracing or ui.perfetto.dev");
@@ -353,6 +356,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   verify_command->add_flag("--short", v.short_runs, "the short form of each run");
+  with_tiles(verify_command, v.tiles);
   does(verify_command, [&] {
     v.programs = a.programs.empty() ? program_folder() : a.programs;
     return verify(v, json);

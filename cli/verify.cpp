@@ -128,6 +128,7 @@ class CaseCheck {
     options.overrides.insert(options.overrides.end(), varied.begin(), varied.end());
     options.overrides.insert(options.overrides.end(), options_.overrides.begin(), options_.overrides.end());
     options.programs = options_.programs;
+    options.tiles = options_.tiles;
     options.quiet = true;
     options.pictures = false;
     options.restarts = 0;

@@ -15,6 +15,7 @@ struct VerifyOptions {
   std::string run;               ///< only this run of the case; empty: all runs
   std::vector<std::string> overrides;
   bool short_runs = false;
+  int tiles = 1;  ///< see RunOptions
   std::filesystem::path programs, out = "runs/verify";
 };
 

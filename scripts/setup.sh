@@ -5,6 +5,9 @@ packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-de
 libtomlplusplus-dev voro++-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
 nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-scipy python3-h5py python3-matplotlib"
 
+# Several processes that share the particles of one solver (--tiles).
+tiles_packages="libopenmpi-dev libtrilinos-zoltan-dev openmpi-bin"
+
 # Commands that only the tests need, with their packages (COMMAND:PACKAGE). A command that is there, from whatever source, is not
 # installed again. gfortran compiles an example of a user's own material model.
 test_commands="node:nodejs npm:npm chromium:chromium gfortran:gfortran"

@@ -198,7 +198,6 @@ void expect_possible_on_ranks(const Case& scene) {
           fmt::format("several ranks cannot share this soil yet: {}; {}, or run the case on one rank", what, instead));
   };
   refuse(scene.coupled() || !scene.pore_pressures.empty(), "water acts on it", "leave out the water");
-  refuse(!scene.loads.empty(), "[[load]]: loads act on it", "leave out the loads");
   refuse(!scene.plates.empty(), "[[plate]]: plates press on it", "leave out the plates");
   refuse(scene.solid.artificial_stress > 0.0, "solid.artificial_stress is above 0", "set it to 0");
   for (const Wall& wall : scene.walls) {

@@ -23,7 +23,7 @@ struct LoadedPatch {
   Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
   double start = -std::numeric_limits<double>::infinity();  ///< s; a load that always acts has the start -infinity
   double level = 0.0;                                       ///< normal . x [m] of the points x on the face
-  std::vector<Index> particles;
+  std::vector<Index> particles;         ///< of the whole soil, where several ranks share it (for_each_own)
   std::optional<WaterFace> water_face;  ///< water face of the case that coincides with this piece
   std::optional<Series> factor;         ///< factor on the traction as a function of time; absent: 1
   std::size_t load = 0;                 ///< index of the load in the case

@@ -5,6 +5,7 @@
 #include "solid_solver/setup.hpp"
 #include "solid_solver/state.hpp"
 
+#include <algorithm>
 #include <span>
 
 namespace poretwin::solid {
@@ -30,6 +31,21 @@ void share_out(const Setup<D>& setup, State<D>& state);
 /// Called by all ranks.
 template <int D>
 State<D> collected(const Setup<D>& setup, const State<D>& state);
+
+/// Calls visit(i) for each of these particles of the whole soil that this rank has, i being its present index.
+template <int D, class Visit>
+void for_each_own(const Particles<D>& particles, std::span<const Index> of_whole, const Visit& visit) {
+  const auto& ids = particles.share.ids;
+  const bool has_all = ids.empty() && particles.size() > 0;
+  for (const Index id : of_whole) {
+    if (has_all) {
+      visit(id);
+      continue;
+    }
+    const auto found = std::ranges::lower_bound(ids, GlobalId{id});
+    if (found != ids.end() && *found == id) visit(static_cast<Index>(found - ids.begin()));
+  }
+}
 
 /// Places [m] on all ranks.
 template <int D>

@@ -156,8 +156,11 @@ void measure_loads(const State<D>& state, Setup<D>& setup) {
   for (const auto& patch : setup.loads) {
     if (patch.length <= 0.0) continue;
     if (q.empty()) q = surface_vectors<D>(state);
-    for (const Index i : patch.particles) measured[patch.load] += state.particles.volume[i] * patch.normal.dot(q[i]);
+    double& length = measured[patch.load];
+    for_each_own<D>(state.particles, patch.particles,
+                    [&](Index i) { length += state.particles.volume[i] * patch.normal.dot(q[i]); });
   }
+  for (auto& [load, length] : measured) length = setup.domain.sum(length);
   for (auto& patch : setup.loads)
     if (const auto found = measured.find(patch.load); found != measured.end() && found->second != 0.0)
       patch.scale = patch.length / found->second;
@@ -171,7 +174,8 @@ VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double tim
     if (time < patch.start) continue;
     if (q.empty()) q = surface_vectors<D>(state);
     const Vec<D> traction = patch.scale * (patch.factor ? patch.factor->at(time) : 1.0) * patch.traction;
-    for (const Index i : patch.particles) force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction;
+    for_each_own<D>(state.particles, patch.particles,
+                    [&](Index i) { force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction; });
   }
   return force;
 }

@@ -26,8 +26,8 @@ State<D> laid_out(Setup<D>& setup, Particles<D> particles) {
   state.yielded.assign(n, 0);
   rebuild(setup, state);
   state.rebuilds = 0.0;
-  measure_loads(state, setup);
   evaluate_forces(setup, state);
+  measure_loads(state, setup);
   return state;
 }
 

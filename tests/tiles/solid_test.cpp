@@ -168,6 +168,26 @@ TEST(SharedSoil, AnElasticBlockVibratesAcrossItsCutInThreeDimensions) {
   EXPECT_LT(soil.errors().largest(), 1e-9);
 }
 
+/// A load on the whole top, and one on a line of it whose length is measured on the lattice; the second begins later.
+TEST(SharedSoil, IsLoadedAcrossTheCut) {
+  const ColumnSpec spec{.width = 0.3, .height = 0.4, .spacing = 0.02};
+  Case scene = block<2>();
+  Load strip = top_load(spec, 2e3, 0.01);
+  strip.name = "strip";
+  strip.face = line({{0.2, 0.4, 0.0}, {0.05, 0.4, 0.0}});
+  scene.loads = {top_load(spec, 1e3), strip};
+  Case unloaded = scene;
+  unloaded.loads.clear();
+  Solid<2> twin(unloaded);
+  twin.initialise({});
+  Shared<2> soil(scene, across<2>(0, 0.0, 0.3));
+  for (std::uint64_t k = 0; k < 20; ++k) advance(twin, k, 2e-3);
+  soil.run(20, 2e-3);
+  EXPECT_LT(soil.errors().largest(), 1e-9);
+  const auto id = [](std::size_t k) { return k; };
+  EXPECT_GT(differences<2>(soil.whole.state().particles, twin.state().particles, id).stress, 0.01);
+}
+
 TEST(SharedSoil, GrainsCollapseAcrossTheCut) {
   Shared<2> soil(collapse(0.4, 0.4, 0.025), across<2>(0, 0.0, 0.4));
   soil.run(20, 2e-3);
@@ -284,9 +304,6 @@ TEST(SharedSoil, RefusesWhatItCannotCompute) {
   Case scene = possible;
   scene.pore_pressures.emplace_back();
   expect_refused(scene, "water");
-  scene = possible;
-  scene.loads = {top_load({}, 1e3)};
-  expect_refused(scene, "[[load]]");
   scene = possible;
   scene.plates.emplace_back();
   expect_refused(scene, "[[plate]]");
