@@ -1,9 +1,9 @@
 #include "solid_solver/shared_solid.hpp"
 
 #include "solid_solver/discretisation/ranks.hpp"
-#include "solid_solver/dynamics/step.hpp"
 #include "solid_solver/output/report.hpp"
 #include "solid_solver/solid.hpp"
+#include "solid_solver/statics/initial_state.hpp"
 
 namespace poretwin::solid {
 
@@ -28,9 +28,7 @@ void SharedSolid<D>::share() {
   Archive received(own_.setup().tiling->from_leader(sent.bytes()));
   State<D> state;
   received(state);
-  begin_with_share(own_.setup(), state);
-  rebuild_lists(own_.setup(), state);
-  evaluate_forces(own_.setup(), state);
+  complete(own_.setup(), state);
   own_.take_over(std::move(state));
 }
 
@@ -38,8 +36,7 @@ template <int D>
 void SharedSolid<D>::collect() const {
   State<D> whole = collected(own_.setup(), own_.state());
   if (!whole_) return;
-  rebuild_lists(whole_->setup(), whole);
-  evaluate_forces(whole_->setup(), whole);
+  complete(whole_->setup(), whole);
   whole.rebuilds = own_.state().rebuilds;
   whole_->take_over(std::move(whole));
 }

@@ -32,6 +32,13 @@ State<D> laid_out(Setup<D>& setup, Particles<D> particles) {
 }
 
 template <int D>
+void complete(const Setup<D>& setup, State<D>& state) {
+  begin_with_share(setup, state);
+  rebuild_lists(setup, state);
+  evaluate_forces(setup, state);
+}
+
+template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
   const std::size_t n = state.particles.size();
   const VecArray<D> initial = state.particles.velocity, slip = state.particles.slip;
@@ -83,6 +90,7 @@ void start_counting(State<D>& state) {
 
 #define PORETWIN_INSTANTIATE(D)                                    \
   template State<D> laid_out<D>(Setup<D>&, Particles<D>);          \
+  template void complete<D>(const Setup<D>&, State<D>&);           \
   template RestReport come_to_rest<D>(const Setup<D>&, State<D>&); \
   template void start_counting<D>(State<D>&);
 PORETWIN_INSTANTIATE(2)

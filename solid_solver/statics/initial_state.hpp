@@ -10,6 +10,11 @@ namespace poretwin::solid {
 template <int D>
 State<D> laid_out(Setup<D>& setup, Particles<D> particles);
 
+/// Completes a state of the whole soil that has no lists: leaves this rank's share of it, where several ranks share the
+/// soil, and makes lists, images and forces. The particles and all that they remember stay as they are.
+template <int D>
+void complete(const Setup<D>& setup, State<D>& state);
+
 /// Searches for the soil's rest under the present water pressure. Restores the initial velocities at the end.
 template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state);
