@@ -21,7 +21,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -152,6 +154,21 @@ int check(const Arguments& a, JsonOutput& json) {
 }
 
 /// The arguments given to a command, without --json, as the command line of a script that has the same options.
+/// Accepts finite numbers above `least`, or from `least` on; "nan" and "inf" are read as numbers, too.
+CLI::Validator finite(const char* name, double least = -HUGE_VAL, bool from_it = true) {
+  return {[=](const std::string& word) {
+            const double number = std::strtod(word.c_str(), nullptr);
+            if (std::isfinite(number) && (number > least || (from_it && number == least))) return std::string();
+            return std::isinf(least)
+                       ? fmt::format("expected a finite number, found {}", word)
+                       : fmt::format("expected a finite number {} {:g}, found {}", from_it ? ">=" : ">", least, word);
+          },
+          name};
+}
+CLI::Validator any_finite() { return finite(""); }
+CLI::Validator positive() { return finite("POSITIVE", 0.0, false); }
+CLI::Validator non_negative() { return finite("NONNEGATIVE", 0.0); }
+
 std::vector<std::string> words_of(const CLI::App& command) {
   std::vector<std::string> positional, words;
   for (const CLI::Option* option : command.get_options()) {
@@ -230,9 +247,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   with_case(run_command);
   with_programs(run_command);
   run_command->add_option("--out", a.out, "folder of the run (default runs/CASE)")->type_name("DIR");
-  run_command->add_option("--until", a.until, "simulated time at which to end [s]")
-      ->type_name("T")
-      ->check(CLI::PositiveNumber);
+  run_command->add_option("--until", a.until, "simulated time at which to end [s]")->type_name("T")->check(positive());
   run_command
       ->add_option("--fluid", a.fluid, "command to run in place of the fluid solver, such as \"python3 my_fluid.py\"")
       ->type_name("COMMAND");
@@ -279,11 +294,12 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
       ->type_name("T,...");
   safety_command->add_option("--every", a.instants.every, "of a run: at the multiples of this time [s], too")
       ->type_name("T")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   safety_command->add_option("--out", a.out, "folder of the results (default runs/CASE-safety, of a run RUN/safety)")
       ->type_name("DIR");
   safety_command->add_option("--tolerance", a.tolerance, "width of the bracket over the factor")
       ->type_name("X")
+      ->check(any_finite())
       ->check(CLI::Range(1e-4, 0.5))
       ->capture_default_str();
   safety_command->add_flag("--no-pictures", a.no_pictures, "do not draw the failure surface");
@@ -302,26 +318,26 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   element_command->add_option("--pressure", e.pressure, "vertical effective stress at the start [Pa]")
       ->required()
       ->type_name("PA")
-      ->check(CLI::NonNegativeNumber);
+      ->check(non_negative());
   element_command->add_option("--ratio", e.ratio, "horizontal over vertical effective stress at the start")
       ->type_name("K")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative())
       ->capture_default_str();
   auto* strains = element_command->add_option(
       "--strain", e.strains,
       "axial strain to reach, compression positive, or shear strain; several: one after the other");
-  strains->type_name("STRAIN")->expected(1, CLI::detail::expected_max_vector_size);
+  strains->type_name("STRAIN")->check(any_finite())->expected(1, CLI::detail::expected_max_vector_size);
   auto* loads = element_command->add_option(
       "--stress", e.loads,
       "in place of --strain: the axial effective stress to reach [Pa], in undrained compression the "
       "deviator, in shear the shear stress");
-  loads->type_name("PA")->expected(1, CLI::detail::expected_max_vector_size)->excludes(strains);
+  loads->type_name("PA")->check(any_finite())->expected(1, CLI::detail::expected_max_vector_size)->excludes(strains);
   element_command
       ->add_option("--rate", e.rate,
                    "rate of the prescribed strain [1/s], where the strength depends on it "
                    "(default: very slow)")
       ->type_name("RATE")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->excludes(loads);
   element_command->add_option("--steps", e.steps, "from one value to the next")
       ->type_name("N")

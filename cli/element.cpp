@@ -39,6 +39,29 @@ std::size_t soil_number(const Case& scene, const std::string& asked) {
   throw CaseError(fmt::format("--soil {}: {} has no such soil; expected one of {}", asked, scene.path.string(), names));
 }
 
+/// Refuses an initial stress that would change before the first strain, because the soil does not bear it or because
+/// the test does not allow it.
+void check_start(const ElementOptions& options, const LaboratoryTest& test, const Element& sample) {
+  Element unstrained = sample;
+  try {
+    unstrained.strain_by(test, 0.0);
+  } catch (const DivergedError&) {
+    return;  // the test itself will report it
+  } catch (const solid::MaterialFailure&) {
+    return;
+  }
+  constexpr double slack = 1e-4;  // of the initial stress: what a material's own iteration leaves
+  if ((unstrained.stress() - sample.stress()).norm() <= slack * sample.stress().norm()) return;
+  const double vertical = options.pressure, lateral = options.ratio * options.pressure;
+  if (test.name == "isotropic")
+    throw CaseError(fmt::format("--ratio {:g}: in the test \"isotropic\" all normal stresses are equal; expected 1",
+                                options.ratio));
+  throw CaseError(
+      fmt::format("--ratio {:g}: the soil cannot bear a lateral stress of {:g} Pa beside a vertical one of {:g} Pa; "
+                  "expected a ratio nearer to 1",
+                  options.ratio, lateral, vertical));
+}
+
 /// One row of the table; compression is positive, as usual in a laboratory.
 std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, std::size_t shown) {
   const solid::Tensor &e = sample.strain(), &s = sample.stress();
@@ -83,6 +106,8 @@ ElementResult run_element(const ElementOptions& options) {
   start[1] = -options.pressure;
   start[0] = start[2] = -options.ratio * options.pressure;
   Element sample(soil, *model, start, scene.water.density * scene.water.kinematic_viscosity);
+
+  check_start(options, test, sample);
 
   ElementResult result;
   result.names = {"axial_strain",

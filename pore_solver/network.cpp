@@ -25,7 +25,7 @@ constexpr double tiny = 1e-9;
 /// part.
 struct BorderPart {
   Piece piece;
-  std::size_t line = 0;  ///< number of the straight side that it belongs to
+  std::size_t line = 0;  ///< number of the straight line on which it lies
   std::size_t face = Segment::none, rain = Segment::none;
 };
 

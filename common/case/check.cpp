@@ -13,6 +13,7 @@
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
 #include "common/geometry/flat_section.hpp"
+#include "common/geometry/overlap.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
 #include "common/media/seepage.hpp"
@@ -446,6 +447,10 @@ class Checker : Complaints {
           if (!(area > 0.0))
             fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
         }
+      for (std::size_t j = 0; j < i; ++j)
+        if (const auto place = shared_place(f.face, scene_.water_faces[j].face, scene_.fluid.particle_spacing))
+          fail(key, fmt::format("lies on {} at {} m: expected one water face at each place",
+                                named("water_face", j, scene_.water_faces[j].name), shown(*place)));
     }
     for (std::size_t i = 0; i < scene_.rains.size(); ++i) face(scene_.rains[i].face, fmt::format("rain[{}]", i));
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
@@ -954,6 +959,15 @@ class Checker : Complaints {
       const bool in_space = gauge.kind == "front" || (gauge.kind == "exit_height" && scene_.is_field());
       if (line && !in_space && scene_.general.dimension != 2)
         fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
+      if (gauge.kind == "heave" && !scene_.general.gravity.isZero()) {
+        const Point3 up = -scene_.general.gravity.normalized(), along = gauge.points[1] - gauge.points[0];
+        const double width = (along - up.dot(along) * up).norm();
+        if (width < scene_.fluid.particle_spacing)
+          fail(key + ".points",
+               fmt::format("above a line that is {:.3g} m wide, seen from above, lies no weight to compare: expected "
+                           "a line across the soil, at least a particle spacing ({} m) wide",
+                           width, scene_.fluid.particle_spacing));
+      }
       if (gauge.kind == "slip_surface" && gauge.points.size() != 4)
         fail(key + ".points",
              fmt::format("a slip surface is looked for between two lines: expected the 2 ends of each, "

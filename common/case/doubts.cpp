@@ -416,6 +416,14 @@ class Doubts : Complaints {
       for (std::size_t i = 0; i < scene_.loads.size(); ++i)
         doubt(fmt::format("load[{}]", i), "has no effect: with solid.model = \"rigid\" nothing gives way to it");
     }
+    const auto too_late = [&](const std::string& key, const std::optional<double>& start) {
+      const double end = scene_.general.end_time;
+      if (start && *start >= end)
+        doubt(key + ".start", fmt::format("has no effect: it is {:g} s, and the run ends at {:g} s", *start, end));
+    };
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i) too_late(fmt::format("load[{}]", i), scene_.loads[i].start);
+    for (std::size_t i = 0; i < scene_.plates.size(); ++i)
+      too_late(fmt::format("plate[{}]", i), scene_.plates[i].start);
     for (const char* key : {"scheme", "acceleration", "tolerance", "keep_points"})
       idle(std::string("coupling.") + key, !scene_.coupled(), "one phase runs alone");
     for (const char* key : {"acceleration", "tolerance"})
@@ -438,6 +446,10 @@ class Doubts : Complaints {
       idle(soil + ".model", !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
       const bool coulomb = scene_.model_of(scene_.soils[i]) == MaterialName::mohr_coulomb;
       idle(soil + ".cone", scene_.deformable() && coulomb, "it fits Drucker-Prager to what this model is");
+      const Soil& own = scene_.soils[i];
+      idle(soil + ".softening_slip",
+           !own.residual_cohesion && !own.residual_friction_angle && !own.residual_dilation_angle,
+           "no strength falls; expected 'residual_cohesion', 'residual_friction_angle' or 'residual_dilation_angle'");
       if (scene_.deformable()) own_numbers(idle, scene_.model_of(scene_.soils[i]), soil);
     }
   }
@@ -508,7 +520,26 @@ class Doubts : Complaints {
           "infiltration", "evaporation", "runoff",        "factor_of_safety", "pressure_force",   "heave"};
       idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
            fmt::format("a gauge of kind \"{}\" knows no region", g.kind));
+      if (g.kind == "pressure_force" && scene_.is_field() && g.points.size() == 2) off_the_soil(g, key);
     }
+  }
+
+  /// Warns of a line for a force of the water that leaves the soil: a field has no water there.
+  void off_the_soil(const Gauge& g, const std::string& key) {
+    const Piece line{g.points[0], g.points[1]};
+    const double dx = scene_.fluid.particle_spacing, beside = 0.05 * dx;
+    const auto places = places_along(line, 0.5 * dx);
+    const auto outside = std::ranges::count_if(places, [&](const Point3& x) {
+      return std::ranges::none_of(scene_.soils, [&](const Soil& soil) {
+        return contains(soil.shape, x + beside * line.left(), d_) || contains(soil.shape, x - beside * line.left(), d_);
+      });
+    });
+    const double length = line.length() * static_cast<double>(outside) / static_cast<double>(places.size());
+    if (length > dx)
+      doubt(key + ".points",
+            fmt::format("about {:.2g} m of the line lie outside the soil, where a field has no water: they "
+                        "count as without pressure",
+                        length));
   }
 
   int d_;

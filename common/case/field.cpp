@@ -359,7 +359,8 @@ class FieldChecks : Complaints {
       if (crest && highest(*f.head) > crest->elevation + 1e-9)
         fail(key + ".head",
              fmt::format("the water behind the face rises to {} m and would run over its upper end at {} m; expected a "
-                         "lower head, or fluid.representation = \"particles\"",
+                         "lower head, 'pressure' where the face is level and nothing can run over its end, or "
+                         "fluid.representation = \"particles\"",
                          highest(*f.head), crest->elevation));
     }
   }

@@ -3,6 +3,7 @@
 #include "common/case/complaints.hpp"
 #include "common/geometry/extent.hpp"
 #include "common/geometry/loaded_part.hpp"
+#include "common/geometry/overlap.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 
@@ -31,6 +32,7 @@ class Plates : Complaints {
       if (!(scene_.solid.particle_spacing > 0.0)) continue;  // reported elsewhere
       touches_soil(plate.face, key);
       beside_walls(plate.face, key);
+      alone(i, key);
     }
   }
 
@@ -211,6 +213,25 @@ class Plates : Complaints {
       fail(key, fmt::format("the plate lies off the soil: {:.3g} {} touch soil, expected at least {:.3g} {} ({:g} {})",
                             touched, in_3d_ ? "m2 of it" : "m of its line", least, in_3d_ ? "m2" : "m", spacings,
                             in_3d_ ? "spacings square" : "spacings"));
+  }
+
+  /// Refuses plates of one name, of which a gauge would read one only, and a plate under another plate or a load: both
+  /// would act on the same row of soil.
+  void alone(std::size_t i, const std::string& key) const {
+    const Plate& plate = scene_.plates[i];
+    const double dx = scene_.solid.particle_spacing;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!plate.name.empty() && scene_.plates[j].name == plate.name)
+        fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", plate.name));
+      if (const auto place = shared_place(plate.face, scene_.plates[j].face, dx))
+        fail(key, fmt::format("lies on plate[{}] at {} m: expected one plate at each place", j, shown(*place)));
+    }
+    for (std::size_t j = 0; j < scene_.loads.size(); ++j)
+      if (const auto place = shared_place(plate.face, scene_.loads[j].face, dx))
+        fail(key,
+             fmt::format("lies on load[{}] at {} m, which acts on the soil and not on the plate: expected its force "
+                         "in 'force' of the plate, or a load beside the plate",
+                         j, shown(*place)));
   }
 
   /// Refuses plates that cross walls or lie on them, and ends that nearly meet a wall.

@@ -54,16 +54,24 @@ std::vector<OutlinePart> soil_outline(const Case& scene, double spacing, std::sp
     return false;
   };
   std::vector<OutlinePart> parts;
-  std::size_t line = 0;
+  std::size_t lines = 0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     auto corners = corners_of(scene.soils[s].shape, 2);
     double twice_area = 0.0;
     for (std::size_t i = 0; i < corners.size(); ++i)
       twice_area += cross(corners[i] - corners[0], corners[(i + 1) % corners.size()] - corners[0]);
     if (twice_area < 0.0) std::reverse(corners.begin(), corners.end());
-    for (std::size_t i = 0; i < corners.size(); ++i, ++line) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
       const Piece whole{corners[i], corners[(i + 1) % corners.size()]};
       const Point3 inwards = whole.left();
+      // A side that continues another one is of the same line: a cell in front of both is cut off there once.
+      const auto continued = std::find_if(parts.begin(), parts.end(), [&](const OutlinePart& part) {
+        const double aside = beside_outline * spacing;
+        const auto on_it = [&](const Point3& x) { return std::abs(part.piece.left().dot(x - part.piece.a)) < aside; };
+        constexpr double parallel = 1.0 - 1e-6;
+        return part.piece.left().dot(inwards) > parallel && on_it(whole.a) && on_it(whole.b);
+      });
+      const std::size_t line = continued == parts.end() ? lines++ : continued->line;
       for (const auto& piece : divided(whole, ends, spacing))
         if (!in_another(s, 0.5 * (piece.a + piece.b) - beside_outline * spacing * inwards))
           parts.push_back({piece, s, line});

@@ -12,7 +12,7 @@ namespace poretwin {
 struct OutlinePart {
   Piece piece;           ///< walked with the soil on its left
   std::size_t soil = 0;  ///< index in the case's list
-  std::size_t line = 0;  ///< number of the straight side that it belongs to
+  std::size_t line = 0;  ///< number of the straight line on which it lies; sides that continue each other share one
 };
 
 /// Distance up to which a place counts as lying on a line. In spacings of the points.

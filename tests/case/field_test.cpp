@@ -97,6 +97,28 @@ TEST_F(Field, RainFallsOnOpenGroundOnly) {
               AllOf(HasSubstr("rain[0]"), HasSubstr("retention curve")));
 }
 
+TEST_F(Field, FacesDoNotLieOnEachOther) {
+  const auto second = [](const std::string& line) {
+    return "[[water_face]]\nname = \"second\"\npoints = " + line + "\npressure = 0\n";
+  };
+  EXPECT_EQ(complaint(dam + second("[[0, 0], [1.2, 0]]")), "no complaint");
+  EXPECT_THAT(complaint(dam + second("[[0.2, 0.2], [0, 0]]")),
+              AllOf(HasSubstr("key 'water_face[2]'"), HasSubstr("lies on water_face[0] \"reservoir\" at [0.1, 0.1] m"),
+                    HasSubstr("expected one water face at each place")));
+}
+
+TEST_F(Field, LinesForForcesLieInSoil) {
+  const auto gauge = [](const std::string& kind, const std::string& line) {
+    return "[[gauge]]\nname = \"g\"\nphase = \"fluid\"\nkind = \"" + kind + "\"\npoints = " + line + "\n";
+  };
+  EXPECT_EQ(warnings(dam + gauge("pressure_force", "[[0, 0], [1.2, 0]]")), "");
+  EXPECT_THAT(warnings(dam + gauge("pressure_force", "[[1, 0], [1.4, 0]]")),
+              HasSubstr("key 'gauge[1].points': about 0.2"));
+  EXPECT_EQ(complaint(dam + gauge("heave", "[[0.5, 0.1], [0.6, 0.15]]")), "no complaint");
+  EXPECT_THAT(complaint(dam + gauge("heave", "[[0.5, 0.1], [0.5, 0.3]]")),
+              AllOf(HasSubstr("key 'gauge[1].points'"), HasSubstr("at least a particle spacing (0.02 m) wide")));
+}
+
 TEST_F(Field, WhatIsNotBuiltIsRefused) {
   const std::string moving = changed(dam, "model = \"rigid\"", "model = \"elastic\"\nparticle_spacing = 0.02");
   EXPECT_THAT(complaint(moving, {"solid.particle_spacing=0.01"}),

@@ -673,6 +673,39 @@ TEST_F(Mistakes, PlatesMoveInOneWay) {
   EXPECT_THAT(complaint(under_plate(line, "speed = 1\nstart = 3")), HasSubstr("key 'plate[0].start'"));
 }
 
+TEST_F(Mistakes, APlateHasItsPlaceAndNameToItself) {
+  const std::string left = under_plate("[[0.2, 0.4], [0, 0.4]]", "speed = 0.01");
+  const auto second = [](const std::string& line, const std::string& name) {
+    return "[[plate]]\nname = \"" + name + "\"\npoints = " + line + "\nspeed = 0.01\n";
+  };
+  EXPECT_EQ(complaint(left + second("[[0.4, 0.4], [0.2, 0.4]]", "right")), "no complaint");
+  EXPECT_THAT(complaint(left + second("[[0.4, 0.4], [0.2, 0.4]]", "footing")),
+              HasSubstr("key 'plate[1].name': expected a name of its own, found \"footing\" twice"));
+  EXPECT_THAT(complaint(left + second("[[0.3, 0.4], [0.1, 0.4]]", "right")),
+              HasSubstr("key 'plate[1]': lies on plate[0] at [0.15, 0.4] m: expected one plate at each place"));
+  const auto load = [](const std::string& line) { return "[[load]]\npoints = " + line + "\npressure = 1000\n"; };
+  EXPECT_EQ(complaint(left + load("[[0.4, 0.4], [0.2, 0.4]]")), "no complaint");
+  EXPECT_THAT(complaint(left + load("[[0.4, 0.4], [0, 0.4]]")),
+              HasSubstr("key 'plate[0]': lies on load[0] at [0.1, 0.4] m, which acts on the soil"));
+}
+
+TEST_F(Mistakes, WhatBeginsAfterTheEndIsDoubted) {
+  const std::string line = "[[0.2, 0.4], [0, 0.4]]";
+  EXPECT_EQ(warnings(under_plate(line, "force = 100\nstart = 0.5")), "");
+  EXPECT_THAT(warnings(under_plate(line, "force = 100\nstart = 3")),
+              HasSubstr("key 'plate[0].start': has no effect: it is 3 s, and the run ends at 1 s"));
+  const std::string load = "[[load]]\npoints = [[0.4, 0.4], [0.2, 0.4]]\npressure = 1000\nstart = 1\n";
+  EXPECT_THAT(warnings(under_plate(line, "force = 100") + load), HasSubstr("key 'load[0].start': has no effect"));
+}
+
+TEST_F(Mistakes, SofteningNeedsAStrengthThatFalls) {
+  const std::string soil =
+      changed(under_plate("[[0.2, 0.4], [0, 0.4]]", "speed = 0.01"), "max = [0.4, 0.4]",
+              "max = [0.4, 0.4]\nmodel = \"mohr_coulomb\"\ncohesion = 1000\nsoftening_slip = 0.01");
+  EXPECT_THAT(warnings(soil), HasSubstr("key 'soil[0].softening_slip': has no effect: no strength falls"));
+  EXPECT_EQ(warnings(changed(soil, "softening_slip", "residual_cohesion = 500\nsoftening_slip")), "");
+}
+
 TEST_F(Mistakes, PlatesStandWhereTheyAreComputed) {
   const std::string footing = under_plate("[[0.2, 0.4], [0, 0.4]]", "speed = 0.01");
   EXPECT_THAT(complaint(footing + "[solid.quiet]\n"), HasSubstr("expected no [solid.quiet] beside it"));

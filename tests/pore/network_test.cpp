@@ -67,6 +67,21 @@ TEST(Network, ASegmentEndsWhereItsFaceDoes) {
   EXPECT_NEAR(covered, 0.53, 1e-12);
 }
 
+TEST(Network, NothingIsLostWhereSoilsMeetOnASlope) {
+  // Cells of either soil reach over the border between them, at the surface.
+  for (const double dx : {0.2, 0.1, 0.07, 0.05}) {
+    Case scene = scene_of(sharp(0.4, 1e-4), box(0.0, 0.0, 1.0, 0.5), dx, 1.0);
+    scene.soils.push_back(scene.soils[0]);
+    for (Soil& soil : scene.soils) soil.shape.kind = Shape::Kind::polygon;
+    scene.soils[0].shape.points = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.75, 0.0}, {0.0, 0.5, 0.0}};
+    scene.soils[1].shape.points = {{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {2.0, 1.0, 0.0}, {1.0, 0.75, 0.0}};
+    scene.rains = {rain(line(2.0, 1.0, 0.0, 0.5), constant(1e-6))};
+    double covered = 0.0;
+    for (const auto& s : make_network(scene).segments) covered += s.level_area;
+    EXPECT_NEAR(covered, 2.0, 1e-9) << dx;
+  }
+}
+
 TEST(Network, WallsCutLinks) {
   Case scene = scene_of(sharp(0.4, 1e-4), box(0.0, 0.0, 1.0, 0.5), 0.1, 1.0);
   Wall pile;

@@ -152,6 +152,38 @@ TEST_F(JsonOfCommands, ElementTellsThePathOfASoil) {
   EXPECT_THAT(unknown.err, testing::HasSubstr("test \"triaxal\": expected one of triaxial, triaxial_undrained"));
 }
 
+TEST_F(JsonOfCommands, ElementRefusesNumbersThatMeanNothing) {
+  const auto tested = [&](std::vector<std::string> changes, const char* test = "triaxial") {
+    std::vector<std::string> words{
+        "element", terzaghi().string(), "--set",        "solid.model=\"mohr_coulomb\"", "--test", test,
+        "--out",   out().string(),      "--no-pictures"};
+    words.insert(words.end(), changes.begin(), changes.end());
+    const auto outcome = poretwin(words);
+    return std::to_string(outcome.exit) + " " + outcome.err;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(tested({"--pressure", "nan", "--strain", "0.05"}),
+              HasSubstr("2 --pressure: expected a finite number >= 0, found nan"));
+  EXPECT_THAT(tested({"--pressure", "-5", "--strain", "0.05"}), HasSubstr("expected a finite number >= 0, found -5"));
+  EXPECT_THAT(tested({"--pressure", "1e4", "--strain", "inf"}), HasSubstr("2 --strain: expected a finite number"));
+  EXPECT_THAT(tested({"--pressure", "1e4", "--stress", "nan"}), HasSubstr("2 --stress: expected a finite number"));
+  // At 30 degrees and without cohesion a lateral stress of at least a third of the vertical one is needed.
+  EXPECT_THAT(tested({"--pressure", "1e4", "--ratio", "0.32", "--strain", "0.01"}),
+              HasSubstr("2 poretwin: --ratio 0.32: the soil cannot bear a lateral stress of 3200 Pa"));
+  EXPECT_EQ(tested({"--pressure", "1e4", "--ratio", "0.34", "--strain", "0.01"})[0], '0');
+  EXPECT_THAT(tested({"--pressure", "1e4", "--ratio", "0.5", "--strain", "0.01"}, "isotropic"),
+              HasSubstr("all normal stresses are equal; expected 1"));
+}
+
+TEST_F(JsonOfCommands, TimesThatAreNoNumbersAreRefused) {
+  const auto until = poretwin({"run", terzaghi().string(), "--out", out().string(), "--until", "nan"});
+  EXPECT_EQ(until.exit, 2);
+  EXPECT_THAT(until.err, testing::HasSubstr("--until: expected a finite number > 0, found nan"));
+  const auto every = poretwin({"safety", out().string(), "--every", "nan"});
+  EXPECT_EQ(every.exit, 2);
+  EXPECT_THAT(every.err, testing::HasSubstr("--every: expected a finite number > 0, found nan"));
+}
+
 TEST_F(JsonOfCommands, AFileThatCannotBeWrittenIsNamed) {
   const auto outcome = poretwin({"check", terzaghi().string(), "--json", (folder_ / "absent" / "a.json").string()});
   EXPECT_EQ(outcome.exit, 5);
