@@ -28,7 +28,9 @@ bool holds_nothing(const fs::path& out) {
   });
 }
 
-bool has_frames(const fs::path& out) { return fs::exists(out / "fluid.vtkhdf") || fs::exists(out / "solid.vtkhdf"); }
+bool has_frames(const fs::path& out) {
+  return fs::exists(out / "fluid.vtkhdf") || fs::exists(out / "solid.vtkhdf");
+}
 
 std::string text_of(const Node& table, const char* key) {
   const Node* found = table.find(key);
@@ -62,10 +64,11 @@ bool finished(const RunClaim& claim) {
     expect_same((claim.out / "run.toml").string(), claim.identity, record.identity, claim.accept_changed_program);
   if (record.exit == 0) return true;
   if (!has_checkpoints(claim.out, claim.leader))
-    throw FileError(fmt::format(
-        "{}: nothing to resume from: holds {} and left no checkpoint of the {}; begin anew without "
-        "--resume{}",
-        claim.out.string(), described(record), claim.leader, has_frames(claim.out) ? ", with --overwrite" : ""));
+    throw FileError(
+        fmt::format("{}: nothing to resume from: holds {} and left no checkpoint of the {}; begin anew without "
+                    "--resume{}",
+                    claim.out.string(), described(record), claim.leader,
+                    has_frames(claim.out) ? ", with --overwrite" : ""));
   return false;
 }
 
@@ -86,15 +89,13 @@ std::string replaced_by(const RunClaim& claim) {
     throw FileError(fmt::format("{}: holds {}; replace it by one of {} with --overwrite, or choose another --out",
                                 out.string(), what, claim.case_name));
   if (has_checkpoints(out, claim.leader))
-    throw FileError(
-        fmt::format("{}: holds {} and can go on from a checkpoint; go on with --resume, begin anew with "
-                    "--overwrite, or choose another --out",
-                    out.string(), what));
+    throw FileError(fmt::format("{}: holds {} and can go on from a checkpoint; go on with --resume, begin anew with "
+                                "--overwrite, or choose another --out",
+                                out.string(), what));
   if ((!record->exit || *record->exit == interrupted) && has_frames(out))
-    throw FileError(
-        fmt::format("{}: holds {} and left results, but no checkpoint; begin anew with --overwrite, or "
-                    "choose another --out",
-                    out.string(), what));
+    throw FileError(fmt::format("{}: holds {} and left results, but no checkpoint; begin anew with --overwrite, or "
+                                "choose another --out",
+                                out.string(), what));
   return what;
 }
 
