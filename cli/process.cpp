@@ -266,10 +266,7 @@ class Watch {
         "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
         "up; another signal ends at once after {} s\n",
         std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
-    for (auto& child : children_) {
-      const int asked = child.program.asked_to_stop_by;
-      end(child, asked != 0 ? asked : SIGINT);
-    }
+    for (auto& child : children_) end(child, child.program.stop_signal);
     schedule(SIGTERM, patience_.after_interrupt);
   }
 

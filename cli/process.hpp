@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -21,7 +22,7 @@ struct Program {
   std::filesystem::path log;                       ///< file for its stdout and stderr
   bool reports_progress = false;                   ///< "--progress-fd N" is passed to it
   bool progress_on_stdout = false;  ///< N is its stdout, then: for programs started through another one, such as mpirun
-  int asked_to_stop_by = 0;         ///< signal that asks it to finish the window and stop; 0: SIGINT
+  int stop_signal = SIGINT;         ///< asks it to finish the window and stop
   bool goes_on = false;             ///< its run is resumed: append to the log
 };
 

@@ -53,7 +53,7 @@ Program over_ranks(int ranks, Program solver) {
   solver.file = found_in_path("mpirun");
   solver.arguments.insert(solver.arguments.begin(), started.begin(), started.end());
   solver.progress_on_stdout = true;
-  solver.asked_to_stop_by = SIGUSR1;
+  solver.stop_signal = SIGUSR1;
   solver.environment["OMP_NUM_THREADS"] = std::to_string(std::max(1, available_threads() / ranks));
   // mpirun asks root twice. Ranks on one machine: the fast way to copy between processes is often forbidden in
   // containers, and OpenMPI complains of it.

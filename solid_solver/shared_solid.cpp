@@ -5,6 +5,8 @@
 #include "solid_solver/solid.hpp"
 #include "solid_solver/statics/initial_state.hpp"
 
+#include <utility>
+
 namespace poretwin::solid {
 
 template <int D>
@@ -30,10 +32,12 @@ void SharedSolid<D>::share() {
   received(state);
   complete(own_.setup(), state);
   own_.take_over(std::move(state));
+  collected_ = true;
 }
 
 template <int D>
 void SharedSolid<D>::collect() const {
+  if (std::exchange(collected_, true)) return;
   State<D> whole = collected(own_.setup(), own_.state());
   if (!whole_) return;
   complete(whole_->setup(), whole);

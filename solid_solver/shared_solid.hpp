@@ -23,10 +23,14 @@ class SharedSolid final : public Phase {
   [[nodiscard]] bool may_reject() const override { return own_.may_reject(); }
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override {
+    collected_ = false;
     return own_.advance(window, inbox);
   }
   void save() override { own_.save(); }
-  void restore() override { own_.restore(); }
+  void restore() override {
+    collected_ = false;
+    own_.restore();
+  }
   void archive(Archive& archive) override;
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
@@ -41,6 +45,7 @@ class SharedSolid final : public Phase {
 
   Solid<D> own_;
   mutable std::optional<Solid<D>> whole_;  ///< on the rank that leads: all soil, as one rank has it
+  mutable bool collected_ = false;         ///< whether `whole_` is up to date; the same on every rank
 };
 
 }  // namespace poretwin::solid

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -23,12 +22,6 @@ struct Beginning {
   std::string digest;   ///< of the case
   std::string program;  ///< version and build
 };
-
-std::string words_of(const tiles::Bytes& bytes) {
-  std::string words(bytes.size(), ' ');
-  std::transform(bytes.begin(), bytes.end(), words.begin(), [](std::byte b) { return static_cast<char>(b); });
-  return words;
-}
 
 std::string program() { return version() + ", " + build(); }
 
@@ -102,9 +95,9 @@ std::unique_ptr<Phase> Leader::make(const Case& scene, const MakePart& part) {
   return std::make_unique<LedPhase>(*this, std::move(own));
 }
 
-void Leader::tell(const std::string& bytes) const {
+void Leader::announce(const std::string& call) const {
   if (failed_) throw Error(ExitCode::failure, "the ranks of this run cannot go on after an error");
-  static_cast<void>(all_.from_first(tiles::bytes_of(std::span<const char>(bytes))));
+  static_cast<void>(all_.from_first(call));
 }
 
 void Leader::end() {
@@ -117,7 +110,7 @@ void follow(const tiles::Communicator& all, const MakePart& part) {
   const Inbox nothing;
   try {
     for (;;) {
-      Archive said(words_of(all.from_first({})));
+      Archive said(all.from_first({}));
       Call call{};
       said(call);
       switch (call) {

@@ -30,7 +30,7 @@ enum class Call {
   end
 };
 
-/// Rank 0's way to tell the others what to do. It must outlive the phases that it makes.
+/// Rank 0's way to announce calls to the others. It must outlive the phases that it makes.
 class Leader {
  public:
   explicit Leader(const tiles::Communicator& all) : all_(all) {}
@@ -43,32 +43,29 @@ class Leader {
 
   /// Announces a call, with its arguments, to the other ranks, then makes it on this one.
   template <class Make, class... Arguments>
-  decltype(auto) call(Call what, Make&& make, Arguments... arguments) {
+  auto call(Call what, Make&& make, Arguments... arguments) {
     Archive said;
     said(what, arguments...);
-    tell(said.bytes());
-    failed_ = true;  // while the call is made
-    if constexpr (std::is_void_v<decltype(make())>) {
-      make();
-      failed_ = false;
-    } else {
-      auto result = make();
-      failed_ = false;
-      return result;
+    announce(said.bytes());
+    try {
+      return make();
+    } catch (...) {
+      failed_ = true;
+      throw;
     }
   }
-  /// Whether a call failed: the other ranks cannot be told anything any more.
+  /// Whether a call failed: the other ranks hear of no further one.
   [[nodiscard]] bool failed() const { return failed_; }
 
  private:
-  void tell(const std::string& bytes) const;
+  void announce(const std::string& call) const;
 
   const tiles::Communicator& all_;
   bool failed_ = false;
 };
 
-/// Does what rank 0 tells until the end. Throws what this rank's part throws; so that rank 0, where it meets the same
-/// error, can report it and end the run, the exception leaves a second later.
+/// Makes the calls that rank 0 announces, until the end. Throws what this rank's part throws; so that rank 0, where it
+/// meets the same error, can report it and end the run, the exception leaves a second later.
 void follow(const tiles::Communicator& all, const MakePart& part);
 
 }  // namespace poretwin::ranks

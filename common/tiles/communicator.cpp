@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -189,10 +188,10 @@ std::vector<Bytes> Communicator::trade(std::span<const Bytes> to) const {
   return from;
 }
 
-Bytes Communicator::from_first(const Bytes& own) const {
-  std::vector<Bytes> to(static_cast<std::size_t>(size()));
-  if (rank() == 0) std::ranges::fill(to, own);
-  return trade(to).front();
+std::string Communicator::from_first(const std::string& own) const {
+  const std::vector<Bytes> to(static_cast<std::size_t>(size()), rank() == 0 ? bytes_of(own) : Bytes{});
+  const auto text = values_of<char>(trade(to).front());
+  return {text.begin(), text.end()};
 }
 
 int run_as_rank(int argc, char** argv, const std::function<int(const Communicator&)>& work) {

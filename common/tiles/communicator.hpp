@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -16,14 +17,10 @@ namespace poretwin::tiles {
 using Bytes = std::vector<std::byte>;
 
 /// Values as a message, and a message as values. Types whose bytes are their value (Plain in particle_arrays.hpp).
-template <class T>
-Bytes bytes_of(std::span<const T> values) {
-  const auto bytes = std::as_bytes(values);
+template <class Values>
+Bytes bytes_of(const Values& values) {
+  const auto bytes = std::as_bytes(std::span(values));
   return {bytes.begin(), bytes.end()};
-}
-template <class T, class Allocator>
-Bytes bytes_of(const std::vector<T, Allocator>& values) {
-  return bytes_of(std::span<const T>(values));
 }
 template <class T>
 std::vector<T> values_of(const Bytes& bytes) {
@@ -94,8 +91,8 @@ class Communicator {
   /// they come.
   [[nodiscard]] std::vector<Bytes> trade(std::span<const Bytes> to) const;
 
-  /// On every rank what rank 0 gives; what the others give does not count.
-  [[nodiscard]] Bytes from_first(const Bytes& own) const;
+  /// On every rank the text or bytes that rank 0 gives; what the others give does not count.
+  [[nodiscard]] std::string from_first(const std::string& own) const;
 
   /// What each rank gives, in the order of the ranks, however many values each has.
   template <class T>

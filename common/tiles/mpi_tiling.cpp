@@ -25,8 +25,7 @@ void MpiTiling<D>::send_to_leader(std::vector<GlobalId>& ids, const ParticleArra
 
 template <int D>
 std::string MpiTiling<D>::from_leader(const std::string& bytes) const {
-  const Bytes all = all_.from_first(bytes_of(std::span<const char>(bytes)));
-  return {reinterpret_cast<const char*>(all.data()), all.size()};
+  return all_.from_first(bytes);
 }
 
 template class MpiTiling<2>;

@@ -37,6 +37,17 @@ void for_each_array(const Setup<D>& setup, State<D>& state, const Visit& visit) 
   for_each_array(state.regions, [&](auto& array) { visit(array, 1); });
 }
 
+/// After particles have moved between ranks: counts the fixed ones, which have the highest ids and no part in regions
+/// that sleep.
+template <int D>
+void count_held(GlobalId first_held, State<D>& state) {
+  Particles<D>& p = state.particles;
+  const auto is_held = [&](GlobalId id) { return id >= first_held; };
+  p.held = static_cast<std::size_t>(std::ranges::count_if(p.share.ids, is_held));
+  for_each_array(state.regions,
+                 [n = p.share.ids.size() - p.held](auto& array) { array.resize(std::min(array.size(), n)); });
+}
+
 /// The arrays that any rank uses, with an entry for each of this rank's n particles: also for fixed ones, and without
 /// copies and images.
 template <int D>
@@ -91,7 +102,7 @@ void begin_with_share(const Setup<D>& setup, State<D>& state) {
     if (setup.tiling->begins_with(i)) own.push_back(static_cast<Index>(i));
   arrays.reorder(own);
   p.share.ids.assign(own.begin(), own.end());
-  p.held = static_cast<std::size_t>(std::ranges::count_if(own, [&](Index i) { return i >= p.share.first_held; }));
+  count_held(p.share.first_held, state);
 }
 
 template <int D>
@@ -102,10 +113,8 @@ void share_out(const Setup<D>& setup, State<D>& state) {
   const ParticleArrays arrays = arrays_of(setup, state, share.ids.size());
   share.copies = 0;
   setup.tiling->send_to_owners(p.position, share.ids, arrays);
-  const auto is_held = [&](GlobalId id) { return id >= share.first_held; };
-  p.held = static_cast<std::size_t>(std::ranges::count_if(share.ids, is_held));
+  count_held(share.first_held, state);
   const std::size_t n = p.size(), n_free = p.free();
-  for_each_array(state.regions, [&](auto& array) { array.resize(std::min(array.size(), n_free)); });
 
   const VecArray<D> views = places_that_see_images(setup.boundaries, setup.range(), p.position);
   const std::size_t copies = setup.tiling->find_copies(p.position, share.ids, setup.range(), views), all = n + copies;
@@ -132,12 +141,10 @@ State<D> collected(const Setup<D>& setup, const State<D>& state) {
   Particles<D>& p = whole.particles;
   const ParticleArrays arrays = arrays_of(setup, whole, p.size());
   setup.tiling->send_to_leader(p.share.ids, arrays);
-  p.held = static_cast<std::size_t>(
-      std::ranges::count_if(p.share.ids, [&](GlobalId id) { return id >= p.share.first_held; }));
+  count_held(p.share.first_held, whole);
   p.share = {};
   whole.near = {};
   whole.kernel.clear();
-  for_each_array(whole.regions, [&](auto& array) { array.resize(std::min(array.size(), p.free())); });
   for (double* counter : {&whole.regions.watched, &whole.regions.slept}) *counter = setup.domain.sum(*counter);
   setup.domain.sum({whole.from_outside.data(), D});
   return whole;

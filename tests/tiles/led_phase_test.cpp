@@ -154,7 +154,7 @@ TEST_F(LedSoil, GoesOnFromACheckpoint) {
   expect_same(by_one, uninterrupted, rounding);
 }
 
-TEST_F(LedSoil, IsNotToldAnythingAfterAnErrorOfTheLeader) {
+TEST_F(LedSoil, IsNotLedAfterAnErrorOfTheLeader) {
   if (all_ranks().rank() > 0) {  // hears of the call
     static_cast<void>(all_ranks().from_first({}));
     return;
