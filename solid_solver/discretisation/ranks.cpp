@@ -37,6 +37,13 @@ void for_each_array(const Setup<D>& setup, State<D>& state, const Visit& visit) 
   for_each_array(state.regions, [&](auto& array) { visit(array, 1); });
 }
 
+/// Calls visit(sum) for every sum over particles in the state, of which each rank has the part of its own.
+template <int D, class Visit>
+void for_each_sum(State<D>& state, const Visit& visit) {
+  for (double* sum : {&state.regions.watched, &state.regions.slept}) visit(*sum);
+  for (int d = 0; d < D; ++d) visit(state.from_outside[d]);
+}
+
 /// After particles have moved between ranks: counts the fixed ones, which have the highest ids and no part in regions
 /// that sleep.
 template <int D>
@@ -103,6 +110,8 @@ void begin_with_share(const Setup<D>& setup, State<D>& state) {
   arrays.reorder(own);
   p.share.ids.assign(own.begin(), own.end());
   count_held(p.share.first_held, state);
+  // What has been summed so far belongs to the rank that leads: the ranks' parts add up to the whole.
+  if (!setup.tiling->leads()) for_each_sum(state, [](double& sum) { sum = 0.0; });
 }
 
 template <int D>
@@ -145,8 +154,7 @@ State<D> collected(const Setup<D>& setup, const State<D>& state) {
   p.share = {};
   whole.near = {};
   whole.kernel.clear();
-  for (double* counter : {&whole.regions.watched, &whole.regions.slept}) *counter = setup.domain.sum(*counter);
-  setup.domain.sum({whole.from_outside.data(), D});
+  for_each_sum(whole, [&](double& sum) { sum = setup.domain.sum(sum); });
   return whole;
 }
 
