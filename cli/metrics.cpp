@@ -17,13 +17,13 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{"value",      "relative", "mean",    "l2",      "profile", "max_abs",
-                                          "decay_rate", "monotone", "drift",   "exceeds", "curve",   "exit",
-                                          "period",     "crossing", "counter", "rise",    "noise",   "order",
-                                          "largest",    "smallest", "damping"};
+const std::vector<std::string> operations{
+    "value", "relative", "mean",    "l2",       "profile", "max_abs",        "decay_rate", "monotone",
+    "drift", "exceeds",  "curve",   "exit",     "period",  "crossing",       "counter",    "rise",
+    "noise", "order",    "largest", "smallest", "damping", "time_of_largest"};
 
 void declare(Keys& keys, VerifyRun& r) {
-  keys.text("name", r.name, {"", "Name that metrics refer to.", true});
+  keys.text("name", r.name, {"", "Name that metrics refer to, and folder of the run: without `/`, each once.", true});
   keys.text("case", r.case_file, {"", "Case file in the same folder."});
   keys.text("command", r.command,
             {"", "`run`, or `safety`: find the factor of safety, its gauge is `factor_of_safety`."});
@@ -51,11 +51,13 @@ void declare(Keys& keys, Metric& m) {
       "op", m.op,
       {"",
        "`value` (a reading, or with `from` the mean over the range), `relative`, `mean` (over the range; relative "
-       "error), `l2`, `profile`, `max_abs`, `decay_rate`, `damping` (the rate at which whole swings about `limit` lose "
+       "error), `l2`, `profile` (of readings, or with `from` of means over the range), `max_abs`, `decay_rate`, "
+       "`damping` (the rate at which whole swings about `limit` lose "
        "their height; relative error), "
        "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
-       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `smallest` (at least "
+       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `time_of_largest` (of "
+       "the parabola through the largest reading and its neighbours; relative error), `smallest` (at least "
        "`reference`), `rise` (greatest climb "
        "above an earlier reading), "
        "`noise` (rms distance from the running mean over `window`) or `order` (the order at which the relative error "
@@ -153,7 +155,7 @@ struct Failure {
 
 bool needs_relative_error(const std::string& op) {
   return op == "relative" || op == "mean" || op == "decay_rate" || op == "damping" || op == "period" ||
-         op == "crossing" || op == "largest";
+         op == "crossing" || op == "largest" || op == "time_of_largest";
 }
 
 /// Reading at time t, interpolated linearly; NaN outside the times of the readings, and beside a reading that is NaN.
@@ -218,9 +220,9 @@ class Judge {
  private:
   [[nodiscard]] double value() const {
     if (m_.op == "exit") return exit_;
-    if (m_.op == "value" && m_.from) return mean();
-    if (m_.op == "value" || m_.op == "relative") return at_time(readings());
-    if (m_.op == "mean") return mean();
+    if (m_.op == "value") return reading_or_mean(readings());
+    if (m_.op == "relative") return at_time(readings());
+    if (m_.op == "mean") return mean(readings());
     if (m_.op == "l2" || m_.op == "profile") return profile();
     if (m_.op == "max_abs") return farthest();
     if (m_.op == "decay_rate") return decay_rate();
@@ -232,6 +234,7 @@ class Judge {
       const auto series = within_range(readings());
       return *std::max_element(series.value.begin(), series.value.end());
     }
+    if (m_.op == "time_of_largest") return time_of_largest();
     if (m_.op == "smallest") {
       const auto series = within_range(readings());
       return *std::min_element(series.value.begin(), series.value.end());
@@ -316,13 +319,17 @@ class Judge {
   }
 
   /// Mean of the readings over time, with linear interpolation between them.
-  [[nodiscard]] double mean() const {
-    const auto series = within_range(readings());
+  [[nodiscard]] double mean(const GaugeSeries& all) const {
+    const auto series = within_range(all);
     double sum = 0.0;
     for (std::size_t i = 1; i < series.time.size(); ++i)
       sum += 0.5 * (series.time[i] - series.time[i - 1]) * (series.value[i] + series.value[i - 1]);
     const double span = series.time.back() - series.time.front();
     return span > 0.0 ? sum / span : series.value.front();
+  }
+  /// With `from` the mean over the range, otherwise the reading at `at`.
+  [[nodiscard]] double reading_or_mean(const GaugeSeries& series) const {
+    return m_.from ? mean(series) : at_time(series);
   }
   /// Names of the gauges of a profile.
   [[nodiscard]] std::vector<std::string> along() const {
@@ -339,7 +346,7 @@ class Judge {
           fmt::format("{} gauges '{}' and {} references do not match", names.size(), m_.gauge, m_.references.size())};
     double sum = 0.0, most = 0.0;
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const double difference = std::abs(at_time(gauge(names[i])) - m_.references[i]);
+      const double difference = std::abs(reading_or_mean(gauge(names[i])) - m_.references[i]);
       most = std::max(most, difference);
       sum += difference * difference;
     }
@@ -399,6 +406,19 @@ class Judge {
     const double spread = n * stt - st * st;
     if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("fewer than three whole swings of gauge '{}'", m_.gauge)};
     return (n * sty - st * sy) / spread;
+  }
+  /// Time of the largest reading: that of the top of the parabola through it and its two neighbours.
+  [[nodiscard]] double time_of_largest() const {
+    const auto series = within_range(readings());
+    const auto top =
+        static_cast<std::size_t>(std::max_element(series.value.begin(), series.value.end()) - series.value.begin());
+    if (top == 0 || top + 1 == series.value.size())
+      throw Failure{fmt::format("the largest reading of gauge '{}' is the first or the last", m_.gauge)};
+    const double before = series.time[top] - series.time[top - 1], after = series.time[top + 1] - series.time[top];
+    const double rise = (series.value[top] - series.value[top - 1]) / before;
+    const double fall = (series.value[top] - series.value[top + 1]) / after;
+    if (!(rise + fall > 0.0)) return series.time[top];
+    return series.time[top] + 0.5 * (rise * after - fall * before) / (rise + fall);
   }
   [[nodiscard]] double moving_away() const {
     const auto series = within_range(readings());
@@ -566,6 +586,7 @@ class VerifyChecker {
       file.runs.back().name = "default";
     }
     for (std::size_t i = 0; i < file.runs.size(); ++i) {
+      name_of_run(file, i);
       word(fmt::format("run[{}].when", i), file.runs[i].when, {"always", "full"});
       word(fmt::format("run[{}].command", i), file.runs[i].command, {"run", "safety"});
       for (const auto& text : file.runs[i].vary)
@@ -587,6 +608,22 @@ class VerifyChecker {
   void word(const std::string& key, const std::string& found, const std::vector<std::string>& words) const {
     if (std::find(words.begin(), words.end(), found) == words.end())
       fail(key, fmt::format("expected \"{}\", found \"{}\"", fmt::join(words, "\" or \""), found));
+  }
+  /// A run is the folder of its name, in that of the case; further histories of it are NAME.2, NAME.3, ..
+  void name_of_run(const VerifyFile& file, std::size_t i) const {
+    const std::string& name = file.runs[i].name;
+    const std::string key = fmt::format("run[{}].name", i);
+    if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos)
+      fail(key, fmt::format("expected the name of a folder without '/', found \"{}\"", name));
+    for (std::size_t j = 0; j < file.runs.size(); ++j) {
+      const VerifyRun& other = file.runs[j];
+      if (j < i && other.name == name)
+        fail(key, fmt::format("\"{}\" is the name of another [[run]], too: give each its own", name));
+      for (int history = 2; history <= other.histories; ++history)
+        if (name == fmt::format("{}.{}", other.name, history))
+          fail(key, fmt::format("\"{}\" is the folder of history {} of run \"{}\", too: choose another name", name,
+                                history, other.name));
+    }
   }
   void metric(const VerifyFile& file, Metric& m, const std::string& key) const {
     if (m.run.empty()) m.run = file.runs.front().name;

@@ -261,11 +261,10 @@ class Watch {
     }
     result_.interrupted = true;
     interrupted_at_ = Clock::now();
-    fmt::print(
-        stderr,
-        "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
-        "up; another signal ends at once after {} s\n",
-        std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
+    fmt::print(stderr,
+               "\nporetwin: stopping: the window under way is given up and a checkpoint written; a search for rest "
+               "ends without one; another signal ends at once after {} s\n",
+               std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
     for (auto& child : children_) end(child, child.program.stop_signal);
     schedule(SIGTERM, patience_.after_interrupt);
   }

@@ -32,6 +32,14 @@ SOILS = ["#e2d6c2", "#cbbfa9", "#d9cfe0", "#c9d8c5", "#e8cfc4", "#d5d5d5", "#efe
 PROPERTIES = [("porosity", "n", "", 1), ("hydraulic_conductivity", "k", "m/s", 1), ("youngs_modulus", "E", "MPa", 1e-6), ("poissons_ratio", "ν", "", 1),
               ("cohesion", "c", "kPa", 1e-3), ("friction_angle", "φ", "°", 1), ("dilation_angle", "ψ", "°", 1),
               ("undrained_shear_strength", "s_u", "kPa", 1e-3), ("grain_density", "ρ_s", "kg/m³", 1)]
+# Parameters that only one material has: key, heading, unit, factor, default value (None: the case gives one, or there is none).
+OF_MODEL = {
+    "modified_cam_clay": [("compression_slope", "λ", "", 1, 0.1), ("swelling_slope", "κ", "", 1, 0.02), ("critical_state_slope", "M", "", 1, 1.0),
+                          ("overconsolidation_ratio", "OCR", "", 1, 1.0), ("preconsolidation_pressure", "p_c", "kPa", 1e-3, None)],
+    "mu_i": [("static_friction", "μ_s", "", 1, 0.38), ("limiting_friction", "μ_2", "", 1, 0.64), ("inertial_number", "I_0", "", 1, 0.279),
+             ("viscous_number", "J_0", "", 1, 0.005), ("grain_diameter", "d", "mm", 1e3, None), ("dilatancy", "K_ψ", "", 1, 0.0),
+             ("critical_solid_fraction", "φ_c", "", 1, 0.585), ("inertial_loosening", "b", "", 1, 1 / 3)],
+}
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title><style>
 body {{ font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }}
@@ -241,15 +249,28 @@ def draw_section(page, run):
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
     page.heading("Section")
     page.figure(figure, f"As drawn in the case; water levels at the end ({style.time(run.end, run.unit)}).")
-    rows = []
-    for soil in run.case.get("soil", []):
-        values = [soil.get(key) for key, _, _, _ in PROPERTIES]
-        rows.append([soil.get("name", ""), soil.get("model", run.case.get("solid", {}).get("model", ""))] +
-                    [float(v) * f if isinstance(v, (int, float)) else "" for v, (_, _, _, f) in zip(values, PROPERTIES)])
+
+
+def tabulate_soils(page, run):
+    """Writes the soils' properties, then those of each material that has parameters of its own."""
+    soils = [(soil, soil.get("model", run.case.get("solid", {}).get("model", ""))) for soil in run.case.get("soil", [])]
+
+    def heading(symbol, unit):
+        return f"{symbol} [{unit}]" if unit else symbol
+
+    def scaled(value, factor):
+        return float(value) * factor if isinstance(value, (int, float)) else ""
+    rows = [[soil.get("name", ""), model] + [scaled(soil.get(key), factor) for key, _, _, factor in PROPERTIES] for soil, model in soils]
     if rows:
+        page.heading("Soils")
         keep = [0, 1] + [2 + i for i in range(len(PROPERTIES)) if any(row[2 + i] != "" for row in rows)]
-        head = ["soil", "model"] + [f"{symbol} [{unit}]" if unit else symbol for _, symbol, unit, _ in PROPERTIES]
+        head = ["soil", "model"] + [heading(symbol, unit) for _, symbol, unit, _ in PROPERTIES]
         page.table([[row[i] for i in keep] for row in rows], [head[i] for i in keep])
+    for name, parameters in OF_MODEL.items():
+        rows = [[soil.get("name", ""), model] + [scaled(soil.get(key, default), factor) for key, _, _, factor, default in parameters]
+                for soil, model in soils if model == name]
+        if rows:
+            page.table(rows, ["soil", "model"] + [heading(symbol, unit) for _, symbol, unit, _, _ in parameters])
 
 
 def draw_drives(page, run):
@@ -451,6 +472,7 @@ def make(folder):
     page.add(f'<p class="about">{html.escape(str(run.about.get("case", "")))}, {style.time(run.end, run.unit)} computed in '
              f'{style.time(run.about.get("wall_s", 0.0))}; <span{doubt}>{html.escape(ended)}</span></p>')
     draw_section(page, run)
+    tabulate_soils(page, run)
     draw_drives(page, run)
     if run.frames:
         draw_state(page, run)

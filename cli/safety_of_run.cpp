@@ -30,7 +30,7 @@ namespace {
 /// Times of frames count as equal if they differ by less than this fraction of the run's length.
 constexpr double rounding = 1e-9;
 
-std::string number(double value) { return fmt::format("{:.10g}", value); }
+std::string in_full(double value) { return fmt::format("{:.10g}", value); }
 
 SafetyAtInstant instant_of(const std::string& row) {
   std::vector<std::string> cells;
@@ -74,7 +74,7 @@ class Rows {
 };
 
 std::string line_of(const SafetyAtInstant& instant, int dimension) {
-  std::string text = fmt::format("t = {:<12} s  F = ", number(instant.time));
+  std::string text = fmt::format("t = {:<12} s  F = ", in_full(instant.time));
   if (std::isinf(instant.factor)) return text + fmt::format("above {:g}: nothing fails", instant.stands);
   text += instant.stands > 0.0 ? fmt::format("{:.3f} +- {:.3f}", instant.factor, instant.error)
                                : fmt::format("below {:.3g}", instant.fails);
@@ -187,10 +187,10 @@ std::vector<std::size_t> frames_at(std::span<const double> times, const Instants
     if (!(time >= first - slack && time <= last + slack))
       throw CaseError(
           fmt::format("--at: expected times from {} to {} s, between the run's first and last frame, found {}",
-                      number(first), number(last), number(time)));
+                      in_full(first), in_full(last), in_full(time)));
     const std::size_t frame = nearest_to(times, time);
     if (std::abs(times[frame] - time) > slack)
-      say(fmt::format("no frame at {} s: the nearest is taken, at {} s", number(time), number(times[frame])));
+      say(fmt::format("no frame at {} s: the nearest is taken, at {} s", in_full(time), in_full(times[frame])));
     frames.insert(frame);
   };
   for (const double time : instants.at) take(time);
@@ -267,7 +267,7 @@ std::string safety_of_run_text(const SafetyOfRun& safety) {
   return fmt::format(
       "least factor of safety {} at t = {} s (stands at {:.3f}, fails at {:.3f}); {} instant{}, "
       "{:.2f} s wall, {:.2f} s cpu; {}\n",
-      factor, number(least->time), least->stands, least->fails, safety.instants.size(),
+      factor, in_full(least->time), least->stands, least->fails, safety.instants.size(),
       safety.instants.size() == 1 ? "" : "s", safety.wall, safety.cpu, (safety.out / "safety.csv").string());
 }
 

@@ -199,6 +199,7 @@ class Schedule::Implementation {
         if (attempt >= most_rejections)
           throw PeerError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", step_ + 1,
                                       plan.start, attempt + 1, plan.interval, rejection->reason));
+        if (broker_.interrupted()) return;  // the window is given up: both sides are at its start again
         limit = retry_interval(plan.interval, rejection->suggested_interval);
         refused = "a refusal of longer windows: " + rejection->reason;
         continue;

@@ -102,7 +102,11 @@ class Shares {
   std::vector<double> wanted_inside() const {
     constexpr Size K = D + 1;
     std::vector<double> giving(givers_.size());
-    for (Size i = 0; i < giving.size(); ++i) giving[i] = size_[i] > 0.0 ? 1.0 : 0.0;
+    for (Size i = 0; i < giving.size(); ++i) {
+      // Behind walls the images of givers stand for the cloud's mirrored part: a wall is no edge of it.
+      const double owner = i < givers_.n_active ? static_cast<double>(i) : givers_.owner[i];
+      giving[i] = owner >= 0.0 && size_[static_cast<Size>(owner)] > 0.0 ? 1.0 : 0.0;
+    }
     std::vector<double> sums(receivers_.size() * K, 0.0);
     const auto blocks = at_receivers_.blocks();
     for_each_in_lanes(
@@ -122,9 +126,6 @@ class Shares {
             for (Size a = 0; a < D; ++a) out[1 + a] = moment[a].v[l];
           }
         });
-    for (Size j = receivers_.n_active; j < receivers_.size(); ++j)
-      if (const double owner = receivers_.owner[j]; owner >= 0.0)
-        for (Size c = 0; c < K; ++c) sums[static_cast<Size>(owner) * K + c] += sums[j * K + c];
     std::vector<double> wanted(receivers_.n_active + n_lanes, 0.0);
     for (Size j = 0; j < receivers_.n_active; ++j) {
       double square = 0.0;

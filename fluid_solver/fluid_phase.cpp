@@ -2,6 +2,7 @@
 
 #include "common/case/gauge_kinds.hpp"
 #include "common/core/threads.hpp"
+#include "common/coupling/interrupt.hpp"
 #include "fluid_solver/boundary/pistons.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/discretisation/water_stencil.hpp"
@@ -101,8 +102,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   check_room(state_, window.time);
 
   // The right-hand side and the parameters of the solve.
-  auto in = window_problem(setup_, state_, dt);
+  auto in = window_problem(setup_, walls_, state_, dt);
   in.cavitation = setup_.cavitation_pressure;
+  if (window.saved) in.between_iterations = coupling::give_up_if_interrupted;
   if (setup_.coupled) in.in_seepage = p.in_seepage;
   if (!setup_.is_projection()) {
     in.sweeps = setup_.sweeps;
@@ -118,6 +120,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     add_bed_source<D>(passage, dt, s, source);
   }
   in.source = std::move(source);
+  in.deferred_flux = deferred_flux(setup_, state_, view, dt);
+  auto besides = catch_up<D>(setup_, view, in.deferred_flux, dt, state_);
   const bool explicit_drag = setup_.scheme == FluidCase::Scheme::eisph_explicit_drag;
   const bool returns = view.nonlinear() || explicit_drag;  // the drag for the window's initial relative velocity is
                                                            // needed again after the solve
@@ -139,7 +143,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     give_drag_impulse<D>(setup_, view, drag_of_prediction, dt, state_);
     store_coupling_force<D>(setup_, view, out.gradient, dt, p);
     passes_.end(p.pressure, p.solid_velocity, p.coupling_force);
-    store_surface_gradient<D>(setup_, s, out.gradient, p);
+    store_surface_gradient<D>(setup_, s, out.gradient, out.at_edge, p);
   }
   if (returns) view.drag = drag;
   if (setup_.coupled && !setup_.responds) predict_explicitly<D>(setup_, view, out.gradient, dt, p);
@@ -151,8 +155,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   ScalarArray came(state_.faces.size(), 0.0);
   advance_columns(setup_, walls_.sight, s, view, out, dt, state_, came);
   push_pistons(0.5 * dt);
-  move<D>(setup_, walls_, s, out, gradient, velocity_before, repair(setup_, state_, s, view, dt), passage.gained, dt,
-          state_);
+  const auto evened = repair(setup_, state_, s, view, dt);
+  if (besides.empty()) besides.resize(evened.size(), Vec<D>::Zero());
+  for (std::size_t a = 0; a < evened.size(); ++a) besides[a] += evened[a];
+  move<D>(setup_, walls_, s, out, gradient, velocity_before, besides, passage.gained, dt, state_);
   if (!state_.bed.empty()) change_volumes(setup_, passage, state_);
   follow_soil(view, state_);
   give_birth_and_delete(setup_, faces_, view, state_, came);

@@ -72,6 +72,7 @@ template <int D>
 Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const Domain& here)
     : domain(here),
       spacing(scene.fluid.particle_spacing),
+      soil_spacing(scene.solid.particle_spacing > 0.0 ? scene.solid.particle_spacing : scene.fluid.particle_spacing),
       density(scene.water.density),
       kinematic_viscosity(scene.water.kinematic_viscosity),
       cavitation_pressure(scene.water.cavitation_pressure),
@@ -97,6 +98,8 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const D
   if (!(spacing > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
   if (scene.fluid.regions.empty() && scene.water_faces.empty())
     throw CaseError("the fluid has nothing to do: no [[fluid.region]] and no [[water_face]]");
+  if (ground.beds() && (D == 3 || coupled))
+    throw CaseError("soil.anisotropy: water as particles is computed in 2D and in rigid soil only");
   if (scene.walls.size() > sill_boundary) throw CaseError(fmt::format("at most {} walls", sill_boundary));
   Vec<D> bounded = acceleration;
   for (const int axis : periodic) std::swap(periodic_gravity[axis], bounded[axis]);
@@ -106,8 +109,7 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const D
   double top = -1e300;
   const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>::Zero();
   for (const auto& lattice : lattices)
-    for (const auto& x : lattice.position)
-      top = std::max(top, up.dot(x) + 0.5 * spacing);
+    for (const auto& x : lattice.position) top = std::max(top, up.dot(x) + 0.5 * spacing);
   top = domain.max(top);
   if (top > -1e300) origin = top * up;
   const bool sight = D == 2 && sight_matters(scene, Keeps::water);

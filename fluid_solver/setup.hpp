@@ -36,6 +36,7 @@ struct Setup {
   Domain domain;  ///< the part of the water that this process computes
 
   double spacing = 0.0;                  ///< of particles [m]
+  double soil_spacing = 0.0;             ///< of the soil's particles [m]
   double density = 1000.0;               ///< of water, kg/m3
   double kinematic_viscosity = 0.0;      ///< of water, m2/s
   double cavitation_pressure = 0.0;      ///< Pa, total pressure

@@ -44,10 +44,12 @@ struct Particles {
   OrZero<int> closed_body;     ///< number from 1 of the particle's body of water if only walls surround this body; else
                                ///< 0
   OrZero<double> void_volume;  ///< m^D, volume of voids in the water, opened by cavitation
-  /// Volumetric strains of the soil that are not yet applied to the water. deferred_strain: from the soil's motion
-  /// beyond the predicted motion. unseen_strain: strain that the solid reports beyond the divergence of its mapped
-  /// velocity; unseen_rate [1/s]: rate at which unseen_strain is being applied.
-  OrZero<double> deferred_strain, unseen_strain, unseen_rate;
+  /// Motion of the soil that is not yet applied to the water's volume. deferred_motion [m]: beyond the predicted
+  /// motion, times the fraction of the mixture's volume that moved with it. unseen_strain: strain that the solid
+  /// reports beyond the divergence of its mapped velocity; unseen_rate [1/s]: rate at which unseen_strain is being
+  /// applied.
+  OrZero<Vec<D>> deferred_motion;
+  OrZero<double> unseen_strain, unseen_rate;
   VecArray<D> birthplace;  ///< m, where the particle was born: a particle that has not moved since needs no repair of
                            ///< its packing
   ScalarArray row;         ///< thickness, in spacings, of the row of surface particles in which it lies
@@ -85,7 +87,7 @@ struct Particles {
     visit_if_there(closed_body);
     visit_if_there(soil);
     visit_if_there(void_volume);
-    visit_if_there(deferred_strain);
+    visit_if_there(deferred_motion);
     visit_if_there(unseen_rate);
     visit_if_there(unseen_strain);
   }
@@ -112,13 +114,12 @@ struct Particles {
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
-    for (auto* array :
-         {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force, &previous_coupling_force})
+    for (auto* array : {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force,
+                        &previous_coupling_force, &deferred_motion})
       array->grow();
     closed_body.grow();
     soil.grow();
-    for (auto* array : {&surface_share, &spreading, &entrained_fraction, &void_volume, &deferred_strain, &unseen_rate,
-                        &unseen_strain})
+    for (auto* array : {&surface_share, &spreading, &entrained_fraction, &void_volume, &unseen_rate, &unseen_strain})
       array->grow();
   }
 
@@ -171,7 +172,7 @@ struct State {
   double time = 0.0;
   double last_interval = 0.0;        ///< s
   double usual_interval = 0.0;       ///< s, mean length of the last windows
-  double deferred_strain_due = 0.0;  ///< s, time that remains to apply the particles' deferred strain
+  double deferred_motion_due = 0.0;  ///< s, time that remains to apply the particles' deferred motion
   double pressure_change = 0.0;      ///< rms change of the pressure in the last window, over the pressure's range
   double widest_range = 0.0;         ///< Pa, widest range of the piezometric pressure so far
   double controlled = 0.0;           ///< s, next window that the control by the change of pressure allows; 0: control

@@ -12,8 +12,12 @@
 
 namespace poretwin::joint {
 
+// Windows of free water are short, and their state is not saved: the ground's step in one is finished, too.
 JointWater::JointWater(const Case& scene)
-    : scene_(scene), free_(free_part(scene)), ground_(ground_part(scene)), openings_(ground_.openings()) {
+    : scene_(scene),
+      free_(free_part(scene)),
+      ground_(ground_part(scene), [] { return false; }),
+      openings_(ground_.openings()) {
   std::vector<fluid::BedPart<2>> bed;
   for (const auto& opening : openings_) {
     auto& part = bed.emplace_back();

@@ -89,17 +89,19 @@ Flow CapillaryFlow::between(const Water& a, const Water& b, double& mean) {
 
 Flow CapillaryFlow::through(const Link& link) const {
   const Index a = link.a, b = link.b;
+  Water beyond = at_[b];
+  beyond.elevation += link.lift;
   Flow f;
   double mean = 0.0;
   if (network_.soil[a] == network_.soil[b]) {
-    f = between(at_[a], at_[b], mean);
+    f = between(at_[a], beyond, mean);
     const double kt = conductivity(link) * link.transmissibility;
     f = {kt * f.value, kt * f.by_a, kt * f.by_b};
   } else {
     const Ground &ga = ground(a), &gb = ground(b);
     double other_mean = 0.0;
-    const Flow by_a = between(at_[a], water(ga, at_[b].head, at_[b].elevation), mean);
-    const Flow by_b = between(water(gb, at_[a].head, at_[a].elevation), at_[b], other_mean);
+    const Flow by_a = between(at_[a], water(ga, beyond.head, beyond.elevation), mean);
+    const Flow by_b = between(water(gb, at_[a].head, at_[a].elevation), beyond, other_mean);
     const double ka = link.of_a * conductivity(a) * link.transmissibility,
                  kb = link.of_b * conductivity(b) * link.transmissibility;
     // Both flows go towards the lower head. Where both vanish, their ratio is that of the conductivities.

@@ -6,12 +6,14 @@
 #include "common/geometry/soil_outline.hpp"
 #include "pore_solver/cell_sides.hpp"
 #include "pore_solver/network_3d.hpp"
+#include "pore_solver/periods.hpp"
 #include "pore_solver/stretch.hpp"
 #include "pore_solver/wells.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -35,7 +37,9 @@ class Border {
     std::vector<Face> faces;
     for (const auto& face : scene.water_faces) faces.push_back(face.face);
     for (const auto& rain : scene.rains) faces.push_back(rain.face);
+    const Periods periods(scene);
     for (const auto& [piece, soil, line] : soil_outline(scene, spacing_, faces)) {
+      if (periods.on_a_side(std::array{piece.a, piece.b})) continue;
       const Point3 middle = 0.5 * (piece.a + piece.b), inwards = piece.left();
       parts_.push_back({piece, line, owner(scene.water_faces, middle, inwards), owner(scene.rains, middle, inwards)});
     }
@@ -147,6 +151,7 @@ class Maker {
         up_(-scene.general.gravity.normalized()),
         spacing_(scene.fluid.particle_spacing),
         stretch_(scene),
+        periods_(scene),
         border_(scene) {}
 
   Network make() {
@@ -181,6 +186,11 @@ class Maker {
         low = low.cwiseMin(corner);
         high = high.cwiseMax(corner);
       }
+    images_ = periods_.images(net_.position);
+    for (const int axis : scene_.general.periodic) {
+      low[axis] -= stretch_.to(Periods::reach * Point3::Unit(axis))[axis];
+      high[axis] += stretch_.to(Periods::reach * Point3::Unit(axis))[axis];
+    }
     const Point3 size = high - low;
     constexpr double points_a_block = 5.0;
     const auto blocks = [&](double length) {
@@ -192,9 +202,14 @@ class Maker {
       const Point3 x = stretch_.to(local(net_.position[i]));
       box.put(static_cast<int>(i), x.x(), x.y(), 0.0);
     }
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      const Point3 x = stretch_.to(local(net_.position[images_[i].point] + images_[i].shift));
+      box.put(static_cast<int>(net_.size() + i), x.x(), x.y(), 0.0);
+    }
     voro::c_loop_all loop(box);
     voro::voronoicell_neighbor cell;
     if (loop.start()) do {
+        if (loop.pid() >= static_cast<int>(net_.size())) continue;  // an image
         if (!box.compute_cell(cell, loop))
           throw CaseError(fmt::format("{}: two points of soil lie in the same place", scene_.path.string()));
         add(static_cast<Index>(loop.pid()), cell);
@@ -279,8 +294,10 @@ class Maker {
       const Piece piece{net_.position[a] + spacing_ * side.piece.a, net_.position[a] + spacing_ * side.piece.b};
       if (side.beyond <= first_line)
         segments(a, piece, static_cast<std::size_t>(first_line - side.beyond));
+      else if (side.beyond >= static_cast<int>(net_.size()))
+        link_across(a, images_[static_cast<std::size_t>(side.beyond) - net_.size()], piece);
       else if (side.beyond > static_cast<int>(a))
-        link(a, static_cast<Index>(side.beyond), piece);
+        link(a, static_cast<Index>(side.beyond), Point3::Zero(), piece);
       else if (side.beyond < 0)
         throw CaseError(fmt::format("{}: the border of the soil is not closed", scene_.path.string()));
     }
@@ -319,17 +336,24 @@ class Maker {
     return result;
   }
 
-  void link(Index a, Index b, const Piece& face) {
-    const Point3 way = net_.position[b] - net_.position[a];
+  void link_across(Index a, const Periods::Image& image, const Piece& piece) {
+    periods_.expect_on_a_side(0.5 * (piece.a + piece.b), image.shift);
+    if (image.counts_for(a)) link(a, image.point, image.shift, piece);
+  }
+
+  /// shift: from b to the image of b with which a is linked; zero for b itself.
+  void link(Index a, Index b, const Point3& shift, const Piece& face) {
+    const Point3 way = net_.position[b] + shift - net_.position[a];
     for (const auto& wall : scene_.walls) {
       if (wall.water == Wall::ForWater::none) continue;
       for (const auto& piece : pieces_of(wall.face))
-        if (const auto met = distance_to(piece, net_.position[a], way.normalized()); met && *met < way.norm()) return;
+        for (const Point3& from : {net_.position[a], Point3(net_.position[a] - shift)})
+          if (const auto met = distance_to(piece, from, way.normalized()); met && *met < way.norm()) return;
     }
     const double p = up_.dot(face.a), q = up_.dot(face.b);
     const auto along = [&](Index i) { return stretch_.between(scene_, scene_.soils[net_.soil[i]], way); };
     net_.links.push_back({a, b, face.length() / way.norm(), along(a), along(b), 0.5 * (face.a + face.b), std::min(p, q),
-                          std::max(p, q)});
+                          std::max(p, q), shift, up_.dot(shift)});
   }
 
   /// Adds the segments of a cell's side on the border: one for each part of the border with a face or rain.
@@ -365,6 +389,8 @@ class Maker {
   Point3 up_;
   double spacing_;
   Stretch stretch_;
+  Periods periods_;
+  std::vector<Periods::Image> images_;
   Border border_;
   bool moved_ = false;
   Point3 origin_ = Point3::Zero();

@@ -5,6 +5,7 @@
 #include "common/geometry/soil_surface.hpp"
 #include "common/geometry/solid.hpp"
 #include "pore_solver/cell_sides.hpp"
+#include "pore_solver/periods.hpp"
 #include "pore_solver/polygon.hpp"
 #include "pore_solver/stretch.hpp"
 
@@ -93,6 +94,7 @@ class Maker {
         up_(-scene.general.gravity.normalized()),
         spacing_(scene.fluid.particle_spacing),
         stretch_(scene),
+        periods_(scene),
         surface_(scene, spacing_) {}
 
   Network make() {
@@ -113,6 +115,11 @@ class Maker {
       low = low.cwiseMin(stretch_.to(x));
       high = high.cwiseMax(stretch_.to(x));
     }
+    images_ = periods_.images(net_.position);
+    for (const int axis : scene_.general.periodic) {
+      low[axis] -= stretch_.to(Periods::reach * Point3::Unit(axis))[axis];
+      high[axis] += stretch_.to(Periods::reach * Point3::Unit(axis))[axis];
+    }
     const Point3 size = high - low;
     constexpr double points_a_block = 5.0;  // blocks with this number of points are near the fastest for voro++
     const auto blocks = [&](double length) {
@@ -124,9 +131,14 @@ class Maker {
       const Point3 x = stretch_.to(local(net_.position[i]));
       box.put(static_cast<int>(i), x.x(), x.y(), x.z());
     }
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      const Point3 x = stretch_.to(local(net_.position[images_[i].point] + images_[i].shift));
+      box.put(static_cast<int>(net_.size() + i), x.x(), x.y(), x.z());
+    }
     voro::c_loop_all loop(box);
     voro::voronoicell_neighbor cell;
     if (loop.start()) do {
+        if (loop.pid() >= static_cast<int>(net_.size())) continue;  // an image
         if (!box.compute_cell(cell, loop))
           throw CaseError(fmt::format("{}: two points of soil lie in the same place", scene_.path.string()));
         add(static_cast<Index>(loop.pid()), cell);
@@ -208,9 +220,10 @@ class Maker {
       const double share = pass.first;
       const TriangleMesh::Nearest& n = pass.second;
       const auto& triangles = surface_.facets().triangles();
-      Polygon facet;
-      for (const Index corner : triangles.facets[n.facet])
-        facet.emplace_back((triangles.points[corner] - x) / spacing_);
+      Polygon facet, drawn;
+      for (const Index corner : triangles.facets[n.facet]) drawn.push_back(triangles.points[corner]);
+      if (periods_.on_a_side(drawn)) continue;
+      for (const Point3& corner : drawn) facet.emplace_back((corner - x) / spacing_);
       const Point3 outwards = surface_.facets().normal(n.facet);
       const double deep = outwards.dot(facet[0]);
       // Facets that the point sees from behind belong to soil beyond a gap, or to a neighbouring soil.
@@ -234,8 +247,10 @@ class Maker {
     for (const auto& side : sides) {
       if (side.beyond <= first_facet)
         segments(a, side);
+      else if (side.beyond >= static_cast<int>(net_.size()))
+        link_across(a, images_[static_cast<std::size_t>(side.beyond) - net_.size()], side);
       else if (side.beyond > static_cast<int>(a))
-        link(a, static_cast<Index>(side.beyond), side);
+        link(a, static_cast<Index>(side.beyond), Point3::Zero(), side);
       else if (side.beyond < 0)
         throw CaseError(fmt::format("{}: the border of the soil is not closed near [{:.6g}, {:.6g}, {:.6g}] m",
                                     scene_.path.string(), x.x(), x.y(), x.z()));
@@ -315,14 +330,20 @@ class Maker {
     return {low, high};
   }
 
-  void link(Index a, Index b, const CellSide& side) {
+  void link_across(Index a, const Periods::Image& image, const CellSide& side) {
+    periods_.expect_on_a_side(net_.position[a] + spacing_ * side.centre, image.shift);
+    if (image.counts_for(a)) link(a, image.point, image.shift, side);
+  }
+
+  /// shift: from b to the image of b with which a is linked; zero for b itself.
+  void link(Index a, Index b, const Point3& shift, const CellSide& side) {
     const Point3 x = net_.position[a];
-    const Point3 way = net_.position[b] - x;
+    const Point3 way = net_.position[b] + shift - x;
     const auto along = [&](Index i) { return stretch_.between(scene_, scene_.soils[net_.soil[i]], way); };
     const auto [low, high] = extent(side.corners);
     const double z = up_.dot(x);
     net_.links.push_back({a, b, side.area * spacing_ * spacing_ / way.norm(), along(a), along(b),
-                          x + spacing_ * side.centre, z + spacing_ * low, z + spacing_ * high});
+                          x + spacing_ * side.centre, z + spacing_ * low, z + spacing_ * high, shift, up_.dot(shift)});
   }
 
   /// Adds the segments of a cell's side on the border: one for each combination of a face and a rain along it.
@@ -398,6 +419,8 @@ class Maker {
   Point3 up_;
   double spacing_;
   Stretch stretch_;
+  Periods periods_;
+  std::vector<Periods::Image> images_;
   SoilSurface surface_;
   Point3 origin_ = Point3::Zero();
   Network net_;

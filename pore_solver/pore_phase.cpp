@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "common/coupling/standard_contract.hpp"
 #include "common/geometry/pieces.hpp"
+#include "common/geometry/shapes.hpp"
 #include "common/media/predicted_modulus.hpp"
 #include "common/media/seepage.hpp"
 #include "pore_solver/numerics/steps.hpp"
@@ -20,20 +21,36 @@ constexpr double reach = 1.2;
 
 }  // namespace
 
-PoreWater::PoreWater(const Case& scene)
+PoreWater::PoreWater(const Case& scene, bool (*give_up)())
     : scene_(scene),
+      give_up_(give_up),
       drawn_network_(make_network(scene_)),
       network_(drawn_network_),
-      stepper_(std::make_unique<Stepper>(scene_, network_)),
+      stepper_(std::make_unique<Stepper>(scene_, network_, give_up_)),
       gauges_(std::make_unique<Gauges>(scene_, network_)),
       state_(stepper_->first_state(scene_)),
-      drawn_(rigid_pores(scene_, network_)) {}
+      drawn_(rigid_pores(scene_, network_)) {
+  if (!scene_.coupled() || !has_basins(scene_.water_faces)) return;
+  for (const auto& x : drawn_network_.position) {
+    std::optional<std::size_t> basin;
+    double nearest = HUGE_VAL;
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+      if (!scene_.water_faces[f].basin_area) continue;
+      const double distance = distance_from(scene_.water_faces[f].face, x, scene_.general.dimension);
+      if (basin && !(distance < nearest)) continue;
+      basin = f;
+      nearest = distance;
+    }
+    nearest_basin_.push_back(*basin);
+  }
+}
 
 coupling::Contract PoreWater::contract() const {
   const int dimension = scene_.general.dimension;
   coupling::Contract out{dimension, scene_.digest(), {}, {}};
   if (!scene_.coupled()) return out;
   out.gives = coupling::standard_fields(coupling::Role::fluid, dimension, coupling::WaterAs::field);
+  if (has_basins(scene_.water_faces)) out.gives.push_back(coupling::basin_level_field());
   for (auto& spec : coupling::standard_fields(coupling::Role::solid, dimension)) {
     const bool pores = spec.name == field::solid_volume_fraction;
     if (!pores && spec.name != field::constrained_modulus && spec.name != field::hydraulic_conductivity &&
@@ -69,6 +86,11 @@ coupling::Publication PoreWater::publish() const {
     degree.values[a] = std::clamp(degree_of_saturation(a), 0.0, 1.0);
   }
   out.fields = {std::move(pressure), std::move(degree)};
+  if (has_basins(scene_.water_faces)) {
+    coupling::Field level{std::string(field::basin_level), 1, ScalarArray(n)};
+    for (std::size_t a = 0; a < n; ++a) level.values[a] = state_.level[*stepper_->level_of(nearest_basin_[a])];
+    out.fields.push_back(std::move(level));
+  }
   return out;
 }
 
@@ -136,7 +158,7 @@ void PoreWater::link() {
   linked_ = state_.linked;
   const bool drawn = linked_.empty() || linked_ == drawn_network_.position;
   network_ = drawn ? drawn_network_ : make_network(scene_, drawn_network_, linked_);
-  stepper_ = std::make_unique<Stepper>(scene_, network_);
+  stepper_ = std::make_unique<Stepper>(scene_, network_, give_up_);
   gauges_ = std::make_unique<Gauges>(scene_, network_);
 }
 
@@ -186,7 +208,7 @@ void PoreWater::compute_flux() const {
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
     const Link& link = network_.links[i];
     add(link.a, link.centre, state_.flow[i]);
-    add(link.b, link.centre, -state_.flow[i]);
+    add(link.b, link.centre - link.shift, -state_.flow[i]);
   }
   for (std::size_t i = 0; i < network_.segments.size(); ++i)
     add(network_.segments[i].point, network_.segments[i].centre, -state_.inflow[i]);

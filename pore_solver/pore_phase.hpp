@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/coupling/interrupt.hpp"
 #include "common/coupling/phase.hpp"
 #include "pore_solver/network.hpp"
 #include "pore_solver/output/gauges.hpp"
@@ -15,7 +16,9 @@ namespace poretwin::pore {
 
 class PoreWater final : public Phase {
  public:
-  explicit PoreWater(const Case& scene);
+  /// give_up: asked between iterations; where it says yes, the window is rejected. A signal to stop need not wait for
+  /// the end of a window, which in a large field takes minutes.
+  explicit PoreWater(const Case& scene, bool (*give_up)() = coupling::interrupted);
 
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
@@ -79,12 +82,14 @@ class PoreWater final : public Phase {
   void compute_flux() const;
 
   Case scene_;
+  bool (*give_up_)();
   Network drawn_network_, network_;
   std::vector<Point3> linked_;                ///< m, State::linked for which the network was made
   mutable std::unique_ptr<Stepper> stepper_;  ///< not const: it contains work space, which is not part of the state
   std::unique_ptr<Gauges> gauges_;
   State state_, saved_;
-  Pores drawn_;              ///< pores of the soil as the case draws it
+  Pores drawn_;                             ///< pores of the soil as the case draws it
+  std::vector<std::size_t> nearest_basin_;  ///< of each point of moving soil: the face with a basin that is nearest
   ScalarArray passed_head_;  ///< m, head that the skeleton bore at the end of the last pass through the window
   Skeleton skeleton_;
   mutable std::vector<Point3> flux_;  ///< of the last frame

@@ -1,5 +1,7 @@
 #include "pore_solver/sharp_flow.hpp"
 
+#include "pore_solver/numerics/steps.hpp"
+
 #include <algorithm>
 
 namespace poretwin::pore {
@@ -56,23 +58,41 @@ Content SharpFlow::borne_head(Index a) const {
   return {depth.value, depth.slope};
 }
 
+Inflow SharpFlow::fall_into(const Segment& segment, double wet) const {
+  const Index a = segment.point;
+  const double depth = 0.5 * (segment.low + segment.high) - network_.elevation[a], air = height(a) - variable_[a];
+  if (weightless_ || depth <= 0.0 || air <= 0.0) return {};
+  // Water inside that reaches up to the border bears the water outside.
+  const double range = segment.high - segment.low, over = level_[a].value - segment.low;
+  const Inflow reached = over <= 0.0     ? Inflow{}
+                         : over >= range ? Inflow{1.0, 0.0}
+                                         : Inflow{over / range, level_[a].slope / range};
+  const double dry = wet - reached.value, last = steps::last_air * height(a);
+  if (dry <= 0.0) return {};
+  const Inflow open = air < last ? Inflow{air / last, -1.0 / last} : Inflow{1.0, 0.0};
+  return {depth * dry * open.value, depth * (dry * open.slope - reached.slope * open.value)};
+}
+
 Flow SharpFlow::through(const Link& link) const {
   const double kt = conductivity(link) * link.transmissibility;
-  const Inflow a = depth_in(link.a, link.low, link.high), b = depth_in(link.b, link.low, link.high);
+  const Inflow a = depth_in(link.a, link.low, link.high),
+               b = depth_in(link.b, link.low - link.lift, link.high - link.lift);
   return {kt * (a.value - b.value), kt * a.slope, -kt * b.slope};
 }
 
 Inflow SharpFlow::below_level(const Segment& segment, double level) const {
   const double kt = conductance(segment);
-  const Inflow inside = depth_in(segment.point, segment.low, segment.high);
-  return {kt * (mean_depth(level, segment.low, segment.high).value - inside.value), -kt * inside.slope};
+  const Inflow inside = depth_in(segment.point, segment.low, segment.high),
+               outside = mean_depth(level, segment.low, segment.high), fall = fall_into(segment, outside.slope);
+  return {kt * (outside.value - inside.value + fall.value), kt * (fall.slope - inside.slope)};
 }
 
 Inflow SharpFlow::at_head(const Segment& segment, double pressure_head) const {
   const double kt = conductance(segment);
-  const Inflow inside = depth_in(segment.point, segment.low, segment.high);
+  const Inflow inside = depth_in(segment.point, segment.low, segment.high),
+               fall = fall_into(segment, pressure_head >= 0.0 ? 1.0 : 0.0);
   const double outside = weightless_ ? pressure_head : std::max(pressure_head, 0.0);
-  return {kt * (outside - inside.value), -kt * inside.slope};
+  return {kt * (outside - inside.value + fall.value), kt * (fall.slope - inside.slope)};
 }
 
 double SharpFlow::variable_at(Index a, double pressure_head) const {

@@ -13,7 +13,9 @@ namespace poretwin::pore {
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
 /// Thus water passes only through the wet part of a face, and a front crosses a cell without a jump. At a face with
-/// still water behind it the level of this water replaces h_b; above that level the face is a seepage face. The
+/// still water behind it the level of this water replaces h_b; above that level the face is a seepage face. Under a
+/// face that looks upwards, water falls into a cell with air in it by its weight, too, through the depth of the point
+/// below the face: else no more than the pressure's share would pass into soil that takes all of it. The
 /// skeleton bears the mean of the pressure over the cell. Without gravity water has no level: all cells are full, and
 /// their variable is the pressure head.
 ///
@@ -41,6 +43,10 @@ class SharpFlow final : public FlowModel {
     return network_.filling(a).back().elevation - network_.filling(a).front().elevation;
   }
   [[nodiscard]] Inflow mean_depth(double h, double low, double high) const;
+  /// The height [m] through which water from outside falls to the point of a cell with air in it, under a border that
+  /// looks upwards, and its derivative by the variable. wet: fraction of the border with water outside. Where the
+  /// cell's own water reaches up to the border, no water falls.
+  [[nodiscard]] Inflow fall_into(const Segment& segment, double wet) const;
   /// Mean depth [m] of a point's water over elevations from `low` to `high`; slope: its derivative by the variable.
   [[nodiscard]] Inflow depth_in(Index a, double low, double high) const;
 

@@ -22,6 +22,12 @@ struct Skeleton {
   ScalarArray conductivity;  ///< m/s
 };
 
+/// Water of a basin [m3, 2D: m2].
+struct BasinWater {
+  double stored = 0.0, first = 0.0;           ///< now, and at time zero
+  double in = 0.0, out = 0.0, spilled = 0.0;  ///< since then: poured in and rained; drawn off and evaporated
+};
+
 struct State {
   double time = 0.0;     ///< s
   ScalarArray water;     ///< m3 (2D: m2), volume of water, conserved to rounding
@@ -31,9 +37,12 @@ struct State {
   std::vector<Account> accounts;  ///< of each boundary
   ScalarArray inflow;             ///< m3/s (2D: m2/s), through each segment in the last step
   ScalarArray flow;               ///< m3/s (2D: m2/s), through each link from a to b in the last step
-  ScalarArray level;              ///< m, of the water in each well that pumps a prescribed discharge
-  double wanted = 0.0;            ///< s, length of the next step that the error allows
-  double largest_head = 0.0;      ///< m, largest head that the skeleton has borne at any point so far (soil that moves)
+  /// Of each boundary whose level follows from a balance (basins, wells that pump a prescribed discharge): its level
+  /// [m], and its water; wells store none.
+  ScalarArray level;
+  std::vector<BasinWater> basin;
+  double wanted = 0.0;        ///< s, length of the next step that the error allows
+  double largest_head = 0.0;  ///< m, largest head that the skeleton has borne at any point so far (soil that moves)
   /// In soil that moves, at rest at time zero: volume fraction of the grains, conductivity [m/s].
   ScalarArray rest_solid, rest_conductivity;
   /// In soil that can yield [m]: present positions, and positions when the points were last linked. Empty: as drawn.

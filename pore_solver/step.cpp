@@ -2,6 +2,7 @@
 
 #include "common/geometry/shapes.hpp"
 #include "common/numerics/csr.hpp"
+#include "pore_solver/numerics/basins.hpp"
 #include "pore_solver/numerics/steps.hpp"
 #include "pore_solver/numerics/wells.hpp"
 
@@ -11,8 +12,9 @@
 
 namespace poretwin::pore {
 
-Stepper::Stepper(const Case& scene, const Network& network)
+Stepper::Stepper(const Case& scene, const Network& network, bool (*give_up)())
     : network_(network),
+      give_up_(give_up),
       spacing_(scene.fluid.particle_spacing),
       space_(scene.general.dimension == 3),
       flow_(make_flow_model(scene, network)) {
@@ -40,34 +42,34 @@ Stepper::Stepper(const Case& scene, const Network& network)
     entries.emplace_back(link.b, link.a);
   }
   for (std::size_t b = 0; b < boundaries_.size(); ++b) {
-    if (boundaries_[b].well == Segment::none || !scene.wells[boundaries_[b].well].discharge) continue;
-    Pump pump;
-    pump.boundary = b;
-    pump.bottom = HUGE_VAL;
-    pump.top = -HUGE_VAL;
-    const auto row = static_cast<Index>(network.size() + pumps_.size());
+    if (!boundaries_[b].boundary->finds_level()) continue;
+    OwnLevel own;
+    own.boundary = b;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    const auto row = static_cast<Index>(network.size() + levels_.size());
     for (std::size_t i = 0; i < network.segments.size(); ++i) {
       const Segment& segment = network.segments[i];
       if (boundary_of_[i] != b) continue;
-      pump.segments.push_back(i);
-      pump.bottom = std::min(pump.bottom, segment.low);
-      pump.top = std::max(pump.top, segment.high);
+      own.segments.push_back(i);
+      low = std::min(low, segment.low);
+      high = std::max(high, segment.high);
       entries.emplace_back(segment.point, row);
       entries.emplace_back(row, segment.point);
     }
-    pump.level = pump.top;
-    pumps_.push_back(std::move(pump));
+    own.range = boundaries_[b].boundary->levels(low, high);
+    own.level = own.range.first;
+    levels_.push_back(std::move(own));
   }
-  matrix_ = SparseRows(network.size() + pumps_.size(), std::move(entries));
-  for (std::size_t w = 0; w < pumps_.size(); ++w)
-    for (const std::size_t i : pumps_[w].segments) {
-      const auto row = static_cast<Index>(network.size() + w);
+  matrix_ = SparseRows(network.size() + levels_.size(), std::move(entries));
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+    for (const std::size_t i : levels_[k].segments) {
+      const auto row = static_cast<Index>(network.size() + k);
       const Index point = network.segments[i].point;
-      pumps_[w].places.emplace_back(matrix_.place(point, row), matrix_.place(row, point));
+      levels_[k].places.emplace_back(matrix_.place(point, row), matrix_.place(row, point));
     }
   for (const auto& link : network.links)
     places_.emplace_back(matrix_.place(link.a, link.b), matrix_.place(link.b, link.a));
-  residual_.resize(network.size() + pumps_.size());
+  residual_.resize(network.size() + levels_.size());
   net_.resize(network.size());
   link_flow_.resize(network.links.size());
   inflow_.resize(network.segments.size());
@@ -98,7 +100,10 @@ State Stepper::first_state(const Case& scene) {
   state.accounts.resize(boundaries_.size());
   state.inflow.assign(network_.segments.size(), 0.0);
   state.flow.assign(network_.links.size(), 0.0);
-  for (const auto& pump : pumps_) state.level.push_back(pump.top);
+  for (const auto& own : levels_) {
+    state.level.push_back(own.range.first);
+    state.basin.push_back({.stored = boundary(own).first_volume(), .first = boundary(own).first_volume()});
+  }
   state.wanted = first_interval(scene, state);
   return state;
 }
@@ -111,11 +116,19 @@ double Stepper::first_interval(const Case& scene, const State& state) {
   variable_ = state.variable;
   base_ = state.water;
   flow_->set(variable_);
+  for (std::size_t k = 0; k < levels_.size(); ++k) levels_[k].base = state.basin[k].stored;
+  begin_stage(state, 1e-9 * end, 1.0);
+  find_levels();
   balance(1.0, state, false);
   double moved = 0.0;
   for (std::size_t a = 0; a < network_.size(); ++a)
     if (flow_->content(static_cast<Index>(a)).slope > 0.0) moved += std::abs(net_[a]);
-  return moved * end > steps::first_share * pores_ ? steps::first_share * pores_ / moved : end;
+  double first = moved * end > steps::first_share * pores_ ? steps::first_share * pores_ / moved : end;
+  find_rates();
+  for (const auto& own : levels_)
+    if (const double rise = std::abs(own.rates.gain) / boundary(own).area(); rise > 0.0)
+      first = std::min(first, steps::first_share * depth_scale(own) / rise);
+  return first;
 }
 
 void Stepper::begin(const StepTimes& times) {
@@ -169,7 +182,8 @@ double Stepper::time_of_a_cell(const Skeleton& soil) const {
 
 coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& state) {
   const Attempt attempted = attempt(interval, soil, state);
-  if (!attempted.solved) return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
+  if (!attempted.solved)
+    return coupling::Outcome::reject(steps::shrink_unsolved * interval, give_up_() ? "given up" : "no solution");
   const double scale = std::max({state.largest_head, attempted.largest_head, spacing_});
   const double error = std::max(attempted.error, attempted.head_error / scale);
   const double allowed = error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / error) : HUGE_VAL;
@@ -183,7 +197,6 @@ coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& st
 }
 
 void Stepper::balance(double interval, const State& state, bool with_matrix) {
-  find_levels();
   std::fill(net_.begin(), net_.end(), 0.0);
   std::fill(passed_.begin(), passed_.end(), 0.0);
   if (with_matrix) matrix_.clear();
@@ -212,22 +225,24 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
     net_[segment.point] += in.value;
     if (with_matrix) matrix_[matrix_.diagonal(segment.point)] -= interval * in.slope;
   }
-  // The levels already satisfy the rows of the wells. These rows only show the points how the levels will follow.
-  for (std::size_t w = 0; w < pumps_.size(); ++w) {
-    const Pump& pump = pumps_[w];
-    const std::size_t row = network_.size() + w;
+  // The levels already satisfy their rows. These rows only show the points how the levels will follow.
+  const double step = wells::level_step * spacing_;
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const OwnLevel& own = levels_[k];
+    const std::size_t row = network_.size() + k;
     residual_[row] = 0.0;
     if (!with_matrix) continue;
     double all = 0.0;
-    for (std::size_t k = 0; k < pump.segments.size() && !pump.empty; ++k) {
-      const Segment& segment = network_.segments[pump.segments[k]];
-      const PoreBoundary& boundary = *boundaries_[pump.boundary].boundary;
-      const Inflow in = boundary.inflow(*flow_, segment, state.segments[pump.segments[k]]);
-      const double by_level = interval * by_level_of(segment, pump.level);
+    for (std::size_t j = 0; j < own.segments.size() && !own.at_end; ++j) {
+      const Segment& segment = network_.segments[own.segments[j]];
+      const Inflow in = boundary(own).inflow_at(*flow_, segment, own.level);
+      const double ahead = boundary(own).inflow_at(*flow_, segment, own.level + step).value;
+      const double by_level = interval * (ahead - in.value) / step;
       all += by_level;
-      matrix_[pump.places[k].first] -= by_level;
-      matrix_[pump.places[k].second] += interval * in.slope;
+      matrix_[own.places[j].first] -= by_level;
+      matrix_[own.places[j].second] += interval * in.slope;
     }
+    if (!own.at_end) all += interval * (boundary(own).wants(own.level + step) - boundary(own).wants(own.level)) / step;
     matrix_[matrix_.diagonal(row)] = all > 0.0 ? all : pores_;
   }
   for (std::size_t a = 0; a < network_.size(); ++a) {
@@ -237,34 +252,28 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
   }
 }
 
-double Stepper::by_level_of(const Segment& segment, double level) const {
-  const double step = wells::level_step * spacing_;
-  return (flow_->below_level(segment, level + step).value - flow_->below_level(segment, level).value) / step;
-}
-
-double Stepper::through_screen(const Pump& pump, double level) const {
+double Stepper::into_soil(const OwnLevel& own, double level) const {
   double sum = 0.0;
-  for (const std::size_t i : pump.segments) sum += flow_->below_level(network_.segments[i], level).value;
+  for (const std::size_t i : own.segments) sum += boundary(own).inflow_at(*flow_, network_.segments[i], level).value;
   return sum;
 }
 
 void Stepper::find_levels() {
-  for (auto& pump : pumps_) {
-    PoreBoundary& boundary = *boundaries_[pump.boundary].boundary;
-    const double wanted = *boundary.prescribed_inflow();
-    const auto excess = [&](double level) { return through_screen(pump, level) - wanted; };
-    double low = pump.bottom, high = std::max(pump.level, pump.bottom + spacing_);
-    double at_low = excess(low);
-    pump.empty = at_low >= 0.0;
-    if (!pump.empty) {
-      // The flow grows with the level: linearly above the screen, more slowly within it.
-      double at_high = excess(high);
-      for (double step = spacing_; at_high < 0.0; step *= 2.0) {
+  for (auto& own : levels_) {
+    const PoreBoundary& water = boundary(own);
+    const auto excess = [&](double level) { return into_soil(own, level) + water.wants(level); };
+    double low = own.range.least, at_low = excess(low);
+    own.at_end = at_low >= 0.0;
+    double found = low;
+    if (!own.at_end) {
+      double high = std::min(std::max(own.level, low + spacing_), own.range.most), at_high = excess(high);
+      for (double step = spacing_; at_high < 0.0 && high < own.range.most; step *= 2.0) {
         low = high;
         at_low = at_high;
-        high += step;
+        high = std::min(high + step, own.range.most);
         at_high = excess(high);
       }
+      own.at_end = at_high < 0.0;
       // The level is found by false position with halved weights (Dowell & Jarratt 1971).
       const double close = wells::level_accuracy * spacing_;
       for (int side = 0, i = 0; high - low > close && at_high > 0.0 && i < wells::most_searches; ++i) {
@@ -281,19 +290,36 @@ void Stepper::find_levels() {
           at_low = value;
         }
       }
+      found = high;
     }
-    pump.level = pump.empty ? pump.bottom : high;
-    boundary.set_level(pump.level);
+    own.level = found;
+    boundary(own).set_level(found);
   }
+}
+
+void Stepper::begin_stage(const State& state, double interval, double share) {
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const double stored = state.basin[k].stored;
+    boundary(levels_[k]).begin_stage({stored, levels_[k].base, interval, share});
+  }
+}
+
+void Stepper::find_rates() {
+  for (auto& own : levels_) own.rates = boundary(own).rates(into_soil(own, own.level), own.at_end);
+}
+
+double Stepper::depth_scale(const OwnLevel& own) const {
+  return std::max(boundary(own).depth(), basins::least_depth * spacing_);
 }
 
 bool Stepper::solve(double interval, State& state) {
   const std::size_t n = network_.size();
   stopped_.assign(n, 0);
-  ScalarArray change(n + pumps_.size()), before;
+  ScalarArray change(n + levels_.size()), before;
   double part = 1.0, left_before = HUGE_VAL;
   for (int iteration = 0;; ++iteration) {
     flow_->set(variable_);
+    find_levels();
     balance(interval, state, true);
     // A point without water cannot supply the residual left by earlier steps. It keeps this residual until enough water
     // comes; until then it stays empty, whatever its neighbours do.
@@ -309,7 +335,7 @@ bool Stepper::solve(double interval, State& state) {
     double enough = std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
     if (give_ > 0.0) enough = std::min(enough, steps::borne_residual * std::max(state.largest_head, spacing_) * give_);
     if (left < carried_ + enough) return true;
-    if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
+    if (!std::isfinite(left) || iteration == steps::most_iterations || give_up_()) return false;
     const auto move = [&](std::size_t a) {
       return flow_->limited(static_cast<Index>(a), before[a], before[a] + part * change[a], stopped_[a]);
     };
@@ -335,9 +361,10 @@ bool Stepper::solve(double interval, State& state) {
 double Stepper::solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const {
   const Ilu0 factors(matrix_);
   const Domain domain;  // one process has the whole field
-  return static_cast<double>(flexible_gmres(domain, [this](auto u, auto y) { matrix_.apply(u, y); },
-                                            [&factors](auto r, auto z) { factors.apply(r, z); }, right, x,
-                                            tolerance * domain.norm(right), steps::most_linear_iterations)
+  return static_cast<double>(flexible_gmres(
+                                 domain, [this](auto u, auto y) { matrix_.apply(u, y); },
+                                 [&factors](auto r, auto z) { factors.apply(r, z); }, right, x,
+                                 tolerance * domain.norm(right), steps::most_linear_iterations)
                                  .iterations);
 }
 
@@ -347,7 +374,10 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
-  for (std::size_t w = 0; w < pumps_.size(); ++w) pumps_[w].level = state.level[w];
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    levels_[k].level = state.level[k];
+    levels_[k].base = state.basin[k].stored;
+  }
   // Residuals of earlier steps, for example in full cells, cannot be removed in a short step: the tolerance allows for
   // them (carried_).
   std::fill(evens_.begin(), evens_.end(), 0.0);
@@ -370,11 +400,18 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
     if (!(excess > 0.0 && flow_->is_empty(static_cast<Index>(a)))) carried_ += std::abs(excess);
   }
   begin({state.time, interval, state.time + g * interval});
+  begin_stage(state, g * interval, g);
   if (!solve(g * interval, state)) return {};
+  find_rates();
+  for (auto& own : levels_) {
+    own.mean_rates = own.rates;
+    own.base += (1.0 - g) * interval * own.rates.gain;
+  }
   mean_net_ = net_;
   mean_inflow_ = inflow_;
   for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
   begin({state.time, interval, state.time + interval});
+  begin_stage(state, g * interval, 1.0);
   if (soil) see(*soil, 1.0);
   // The initial guess of the second stage extrapolates the first stage.
   for (std::size_t a = 0; a < n; ++a) {
@@ -393,14 +430,22 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   }
   for (std::size_t i = 0; i < inflow_.size(); ++i) mean_inflow_[i] += g * (inflow_[i] - mean_inflow_[i]);
   Attempt result{true, differ / pores_};
+  find_rates();
+  for (auto& own : levels_) {
+    BasinRates& mean = own.mean_rates;
+    if (const double area = boundary(own).area(); area > 0.0)
+      result.error = std::max(result.error, euler * std::abs(own.rates.gain - mean.gain) / area / depth_scale(own));
+    for (double BasinRates::*rate : {&BasinRates::in, &BasinRates::out, &BasinRates::spilled, &BasinRates::gain})
+      mean.*rate += g * (own.rates.*rate - mean.*rate);
+  }
   if (soil) std::tie(result.head_error, result.largest_head) = borne_error(difference);
   return result;
 }
 
 std::pair<double, double> Stepper::borne_error(std::span<const double> content_error) {
   const std::size_t n = network_.size();
-  ScalarArray change(n + pumps_.size()), right(content_error.begin(), content_error.end());
-  right.resize(n + pumps_.size(), 0.0);
+  ScalarArray change(n + levels_.size()), right(content_error.begin(), content_error.end());
+  right.resize(n + levels_.size(), 0.0);
   solve_linear(right, steps::error_residual, change);
   double error = 0.0, volume = 0.0, largest = 0.0;
   for (std::size_t a = 0; a < n; ++a) {
@@ -422,8 +467,15 @@ void Stepper::accept(double interval, State& state) {
   for (std::size_t a = 0; a < network_.size(); ++a) state.pores[a] = flow_->pore_volume(static_cast<Index>(a));
   state.flow = link_flow_;
   state.inflow = inflow_;
-  state.level.clear();
-  for (const auto& pump : pumps_) state.level.push_back(pump.level);
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    state.level[k] = *boundary(levels_[k]).level();
+    const BasinRates& mean = levels_[k].mean_rates;
+    BasinWater& basin = state.basin[k];
+    basin.stored += interval * mean.gain;
+    basin.in += interval * mean.in;
+    basin.out += interval * mean.out;
+    basin.spilled += interval * mean.spilled;
+  }
 }
 
 }  // namespace poretwin::pore

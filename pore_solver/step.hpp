@@ -10,20 +10,22 @@
 #include "pore_solver/state.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace poretwin::pore {
 
 class Stepper {
  public:
-  Stepper(const Case& scene, const Network& network);
+  /// give_up: asked between iterations; where it says yes, a step ends without a result.
+  Stepper(const Case& scene, const Network& network, bool (*give_up)());
 
   /// The state at time zero.
   [[nodiscard]] State first_state(const Case& scene);
   /// The longest next step [s] that the error and the next corner of prescribed boundary values allow.
   [[nodiscard]] double proposal(const State& state) const;
-  /// Advances the state by one step. If the error is too large or no solution is found, the state does not change, and
-  /// the result suggests a shorter step. soil: the soil that moves; null for rigid soil.
+  /// Advances the state by one step. If the error is too large, no solution is found or the step is given up, the state
+  /// does not change, and the result suggests a shorter step. soil: the soil that moves; null for rigid soil.
   coupling::Outcome step(double interval, const Skeleton* soil, State& state);
 
   /// Time [s] in which the cell that drains fastest adapts its pressure to its neighbours'. It is used for the first
@@ -37,19 +39,27 @@ class Stepper {
   }
   /// Index in boundaries() of a segment's boundary.
   [[nodiscard]] std::size_t boundary_of(std::size_t segment) const { return boundary_of_[segment]; }
+  /// Boundaries of single faces come first: the boundary of a face without rain has the face's index.
   struct Along {
     std::size_t face = Segment::none, rain = Segment::none;  ///< the boundary's face and rain
     std::unique_ptr<PoreBoundary> boundary;
     std::size_t well = Segment::none;  ///< the boundary's well
   };
   [[nodiscard]] const std::vector<Along>& boundaries() const { return boundaries_; }
+  /// Index in State::level of the level of boundary b, which follows from a balance; empty for another boundary.
+  [[nodiscard]] std::optional<std::size_t> level_of(std::size_t b) const {
+    for (std::size_t k = 0; k < levels_.size(); ++k)
+      if (levels_[k].boundary == b) return k;
+    return std::nullopt;
+  }
   /// Volume of all pores [m3, 2D: m2].
   [[nodiscard]] double pores() const { return pores_; }
 
  private:
   struct Attempt {
     bool solved = false;
-    double error = 0.0;         ///< error of the water content, over the volume of the pores
+    double error = 0.0;         ///< error of the water content, over the volume of the pores; or, where that is larger,
+                                ///< of a basin's level, over its depth
     double head_error = 0.0;    ///< m, mean over the soil of the error of the head that the skeleton bears
     double largest_head = 0.0;  ///< m, largest head that the skeleton bears
   };
@@ -82,6 +92,7 @@ class Stepper {
   [[nodiscard]] double first_interval(const Case& scene, const State& state);
 
   const Network& network_;
+  bool (*give_up_)();
   double spacing_;  ///< m
   bool space_;      ///< whether the case is in 3D
   std::unique_ptr<FlowModel> flow_;
@@ -90,23 +101,31 @@ class Stepper {
   double pores_ = 0.0;
   SparseRows matrix_;
   std::vector<std::pair<Index, Index>> places_;  ///< for each link, the places of (a, b) and (b, a) in the matrix
-  /// A well whose level follows from its discharge. The level is an additional unknown, after those of the points.
-  struct Pump {
+  /// A boundary whose level follows from a balance: a well that pumps a discharge, or a basin. The level is an
+  /// additional unknown, after those of the points.
+  struct OwnLevel {
     std::size_t boundary = 0;
     std::vector<std::size_t> segments;
-    std::vector<std::pair<Index, Index>> places;  ///< for each segment, the places of (point, well) and (well, point)
-    double bottom = 0.0, top = 0.0;               ///< m, elevations of the screen's ends
-    double level = 0.0;                           ///< m
-    bool empty = false;  ///< the soil yields less than the discharge: the well has no water above its bottom
+    std::vector<std::pair<Index, Index>> places;  ///< for each segment, the places of (point, level), (level, point)
+    LevelRange range;
+    double level = 0.0;   ///< m
+    bool at_end = false;  ///< the balance closes at no level of the range: the well is empty, or the basin is or spills
+    double base = 0.0;    ///< m3 (2D: m2), water of a basin without what comes and goes in the stage
+    BasinRates rates, mean_rates;  ///< of a basin: of the stage, and means over the step
   };
-  /// Finds the levels of the wells that pump a prescribed discharge, for the present variables.
+  [[nodiscard]] PoreBoundary& boundary(const OwnLevel& own) const { return *boundaries_[own.boundary].boundary; }
+  /// Finds the levels that follow from a balance, for the present variables.
   void find_levels();
-  /// Flow from a well into the soil [m3/s, 2D: m2/s] through its screen if the well's water stands at `level` [m].
-  [[nodiscard]] double through_screen(const Pump& pump, double level) const;
-  /// Derivative of a screen's inflow with respect to the level [m2/s, 2D: m/s].
-  [[nodiscard]] double by_level_of(const Segment& segment, double level) const;
+  /// Flow into the soil [m3/s, 2D: m2/s] through the segments of such a boundary if its water stands at `level` [m].
+  [[nodiscard]] double into_soil(const OwnLevel& own, double level) const;
+  /// Begins a stage of the step, whose end is at the fraction `share` of the step.
+  void begin_stage(const State& state, double interval, double share);
+  /// The rates of the basins in the stage that has been solved.
+  void find_rates();
+  /// Depth [m] against which the error of a basin's level is measured.
+  [[nodiscard]] double depth_scale(const OwnLevel& own) const;
 
-  std::vector<Pump> pumps_;
+  std::vector<OwnLevel> levels_;
   // Quantities of the present stage.
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
   ScalarArray mean_net_, mean_inflow_;  ///< means over the step

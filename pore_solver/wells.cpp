@@ -107,12 +107,14 @@ class Patch {
         row = prescribed;
       }
     neighbours_.resize(n);
-    for (const auto& link : net.links)
+    for (const auto& link : net.links) {
+      if (!link.shift.isZero(0.0)) continue;  // wells stand away from the sides
       for (const auto& [a, b] : {std::pair{link.a, link.b}, {link.b, link.a}}) {
         const auto found = row_.find(a);
         if (found == row_.end() || found->second == prescribed) continue;
         neighbours_[found->second].push_back({b, link.of_a * link.transmissibility});
       }
+    }
   }
 
   std::vector<Pierced> pierced() {

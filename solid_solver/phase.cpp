@@ -44,6 +44,8 @@ void Solid<D>::initialise(const Inbox& inbox) {
       state_.external.pressure = take_pressure(setup_, inbox, state_.time, cache_, state_);
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
+  } else {
+    begin_under_earth_pressure(setup_, state_);
   }
   store_water_force(setup_, gradient_of(setup_, state_, state_.external.pressure, state_.time), {}, 1.0, state_);
   start_counting(state_);
@@ -54,7 +56,9 @@ void Solid<D>::initialise(const Inbox& inbox) {
 }
 
 template <int D>
-Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
+Outcome Solid<D>::advance(const Window& asked, const Inbox& inbox) {
+  Window window = asked;
+  window.saved = window.saved && !setup_.tiling;  // ranks receive signals at different times
   if (!(window.interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
   expect_bearable_pressure(setup_, state_.particles);
   quasi_static_.begin_window();
@@ -101,8 +105,10 @@ void Solid<D>::archive(Archive& archive) {
 
 template <int D>
 Contract Solid<D>::contract() const {
-  return {D, digest_, standard_fields(Role::solid, D),
-          standard_fields(Role::fluid, D, setup_.water.is_field ? WaterAs::field : WaterAs::particles)};
+  Contract out{D, digest_, standard_fields(Role::solid, D),
+               standard_fields(Role::fluid, D, setup_.water.is_field ? WaterAs::field : WaterAs::particles)};
+  if (setup_.water.has_basins()) out.takes.push_back(basin_level_field());
+  return out;
 }
 
 template <int D>

@@ -132,6 +132,16 @@ template <int D>
 void attach_load(const Case& scene, std::size_t which, double reach, double margin, const VecArray<D>& positions,
                  Setup<D>& setup) {
   const Load& load = scene.loads[which];
+  if (load.on_all_sides()) {
+    LoadedPatch<D>& patch = setup.loads.emplace_back();
+    patch.pressure = load.pressure.value_or(0.0);
+    if (load.start) patch.start = *load.start;
+    patch.factor = load.factor;
+    patch.load = which;
+    patch.particles.resize(positions.size());
+    std::iota(patch.particles.begin(), patch.particles.end(), Index{0});
+    return;
+  }
   std::optional<LoadedPart> part;
   if (load.face.within) part = loaded_part(scene, load.face);
   const double length = part ? part->area() : length_along_soil(scene, load.face, setup.spacing);
@@ -293,6 +303,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
     else if (kind.grains)
       grains = kind.grains(soil);
     setup.constant_volume.push_back((kind.has_cone() && soil.dilation_angle <= 0.0) || grains ? 1 : 0);
+    setup.contact_volume.push_back(soil.contact_porosity ? solid / (1.0 - *soil.contact_porosity)
+                                                         : std::numeric_limits<double>::infinity());
     setup.loose_friction.push_back(grains && scene.solid.regular_flow ? static_cast<float>(*grains) : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = lay<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,

@@ -20,7 +20,8 @@ namespace poretwin::solid {
 template <int D>
 struct LoadedPatch {
   Vec<D> traction = Vec<D>::Zero();                         ///< Pa
-  Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
+  Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil; 0: on all sides, by `pressure`
+  double pressure = 0.0;                                    ///< Pa, on all sides of the soil
   double start = -std::numeric_limits<double>::infinity();  ///< s; a load that always acts has the start -infinity
   double level = 0.0;                                       ///< normal . x [m] of the points x on the face
   std::vector<Index> particles;         ///< of the whole soil, where several ranks share it (for_each_own)
@@ -48,6 +49,7 @@ struct WaterSetup {
   Point3 gravity = Point3::Zero();       ///< m/s2
   [[nodiscard]] double dynamic_viscosity() const { return density * kinematic_viscosity; }  ///< Pa s
   [[nodiscard]] bool is_prescribed() const { return !prescribed.empty(); }
+  [[nodiscard]] bool has_basins() const { return is_field && poretwin::has_basins(faces); }
 };
 
 /// The law of seepage of a soil at a given porosity.
@@ -119,7 +121,10 @@ struct Setup {
   ScalarArray grain_density;        ///< kg/m3, density of the grains with the residual water that moves with them, one
                                     ///< per soil
   ScalarArray grain_share;          ///< volume fraction of the grains in grains plus residual water, one per soil
-  std::vector<char> constant_volume;    ///< one per soil: 1 where it shears without dilation
+  std::vector<char> constant_volume;  ///< one per soil: 1 where it shears without dilation
+  /// Bulk volume over its initial value above which the grains do not touch and carry no stress, one per soil;
+  /// infinite where they touch at the start.
+  ScalarArray contact_volume;
   std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: its grains never come apart
   std::vector<char> softened_by_water;  ///< one per soil: 1 where the cohesion depends on the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
@@ -144,7 +149,14 @@ Condition at_once(const Setup<D>& setup, const Particles<D>& particles, std::siz
   return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0, 0.0, setup.water.dynamic_viscosity()};
 }
 
-/// Elastic moduli of a particle in its present state.
+/// Whether the grains of a particle are apart because they have not settled to their soil's contact porosity yet.
+template <int D>
+bool in_suspension(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
+  const Index soil = particles.material[i];
+  return particles.volume[i] > setup.contact_volume[soil] * particles.mass[i] / setup.density[soil];
+}
+
+/// Elastic moduli of a particle in its present state; of suspended grains, those that they have once they touch.
 template <int D>
 Elasticity moduli(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
   return setup.models[particles.material[i]]->moduli(particles.stress[i], particles.state_of(i));

@@ -29,6 +29,17 @@ struct PlateMotion {
   double largest = 0.0;                  ///< N (2D: N/m), largest force between plate and soil so far
   double pull = 0.0;                     ///< N (2D: N/m), largest pull at the soil so far
   double pulls = 0.0;                    ///< counter: windows at whose end the plate pulled
+  // Only of a plate that tilts; rotations and moments are about its middle, counter-clockwise.
+  double angle = 0.0;         ///< rad, since time zero
+  double spin = 0.0;          ///< rad/s
+  double moment = 0.0;        ///< N m/m, of the skeleton on the plate
+  double water_moment = 0.0;  ///< N m/m, of the pore pressure on the soil; minus that on the plate
+  /// Of each part of its length, about a spacing long: the force [N/m] with which it presses on the soil along its
+  /// present normal; and, where the plate lifts, whether it has come off (1), and the distance [m] of the nearest
+  /// particles from the plate when it did.
+  ScalarArray pressed;
+  std::vector<char> apart;
+  ScalarArray touched_at;
 };
 
 /// Which particles of the whole run this rank has, where several ranks share the soil (discretisation/ranks.hpp).
@@ -162,6 +173,7 @@ struct Passed {
   BoundaryKind kind = BoundaryKind::roller;
   double friction = 0.0;                                       ///< Coulomb's coefficient, of frictional walls
   int plate = -1;                                              ///< number of the plate; -1: a wall at rest
+  bool tilts = false;                                          ///< it is a plate that tilts; `point` is its middle
   Vec<D> normal = Vec<D>::Zero(), point = Vec<D>::Zero();      ///< unit, into the soil; a point of the wall [m]
   Mat<D> bend = Mat<D>::Zero(), stretch = Mat<D>::Identity();  ///< see Surfaces::WallPoint
   Vec<D> from = Vec<D>::Zero();                                ///< m, place of the parent; set where the wall is curved
@@ -173,6 +185,14 @@ struct BehindCurved {
   Index image = 0;
   std::size_t size = 0;
   std::array<Passed<D>, D> walls{};
+};
+
+/// The walls behind which an image lies, in the order of its reflections, at least one of them a plate that tilts.
+template <int D>
+struct BehindTilting {
+  Index image = 0;
+  Index first = 0;  ///< the first of the image's entries among those of BehindPlate
+  std::vector<Passed<D>> walls;
 };
 
 /// How an image follows its parent, with the maps below: x' = map x + shift; v' = velocity v + slip s with the parent's
@@ -201,7 +221,8 @@ struct ImageRule {
 
 /// How a plate moves an image behind it (and possibly behind other walls). An image with the velocity v has v +
 /// velocity V for the plate's velocity V; likewise for the displacement. With the plate's displacement U the image lies
-/// farther by place U.
+/// farther by place U. Where one of the plates tilts (`turns`), both change with its angle, and the image's velocity
+/// also contains its spin times the vector `spin` (turn_images).
 template <int D>
 struct BehindPlate {
   Index image = 0, plate = 0;
@@ -210,12 +231,17 @@ struct BehindPlate {
   Mat<D> velocity = Mat<D>::Zero(), place = Mat<D>::Zero();
   Vec<D> shift = Vec<D>::Zero();  ///< m, shift of the image before the plates moved
   double level = 0.0;             ///< m, level of the crossing before the plate moved
+  bool turns = false;
+  Vec<D> spin = Vec<D>::Zero();  ///< m
 };
 
-/// The pairs of particles with images behind one plate. The plate's force on the soil is the sum over these pairs.
+/// Pairs of particles with images behind one plate. The plate's force on the soil is the sum over its lists.
 struct PlatePairs {
   Index plate = 0;
-  bool corner = false;  ///< images that also lie behind another wall: the plate bears the part along its normal
+  /// Numbers of the plates that bear half of the forces along the plate each; -1: a wall. The part along its normal the
+  /// plate bears itself.
+  std::array<int, 2> along{};
+  [[nodiscard]] bool bears_all() const { return along == std::array{static_cast<int>(plate), static_cast<int>(plate)}; }
   Pairs pairs;
 };
 
@@ -230,7 +256,8 @@ struct Neighbourhood {
   std::vector<ImageRule<D>> images;
   std::vector<BehindCurved<D>> behind_curved;
   std::vector<BehindPlate<D>> behind_plates;
-  VecArray<D> plates_at;  ///< m, displacement of the plates when the lists were built
+  std::vector<BehindTilting<D>> behind_tilting;
+  std::vector<PlateMotion<D>> plates_at;  ///< the plates when the lists were built
   std::vector<PlatePairs> plate_pairs;
   Pairs pairs;
   Views views;
@@ -241,6 +268,7 @@ template <int D>
 struct External {
   OrZero<double> pressure, coverage;  ///< pore pressure [Pa]; fraction of each particle covered by water
   OrZero<double> saturation;          ///< degree of saturation s_r
+  OrZero<double> basin_level;         ///< m, of the basin behind the nearest face with one (water as a field)
   OrZero<double> spreading;           ///< 1/s, expansion that evens out the points of soil and water; not a strain
   OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) or (61), at the end of the last window
   OrZero<Vec<D>> force;               ///< N/m3, force of pressure and drag on the skeleton, at the end of the last

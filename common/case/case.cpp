@@ -303,6 +303,12 @@ void declare(Keys& keys, Soil& s) {
   keys.choice<MaterialName>("model", s.model, model_words(false),
                             {"", "Material law of this soil, where it moves; absent: `solid.model`."});
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
+  keys.number("contact_porosity", s.contact_porosity,
+              {"",
+               "Porosity at and below which the grains touch. Soil that begins looser is a suspension without stress "
+               "and stiffness, as liquefied sand is, until it has settled to this porosity; from there on it is "
+               "strained. Absent: the grains touch at the start."},
+              between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
   std::string meaning = "Hydraulic gradient i against discharge velocity U.";
   std::string without;  // laws that compute the conductivity themselves
@@ -319,8 +325,8 @@ void declare(Keys& keys, Soil& s) {
               positive());
   keys.number("anisotropy", s.anisotropy,
               {"",
-               "Conductivity along the beds of the soil over that across them, k_h / k_v; with fluid.representation = "
-               "\"field\"."},
+               "Conductivity along the beds of the soil over that across them, k_h / k_v. With water as particles: in "
+               "2D, in rigid soil, and the same in all soils."},
               between(0.01, false, 100, false));
   keys.point(
       "bedding_normal", s.bedding_normal,
@@ -406,8 +412,9 @@ void declare(Keys& keys, Soil& s) {
               not_negative());
   keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
               {"",
-               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
-               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
+               "K0: horizontal over vertical effective stress at the start, the latter from the weight and the loads above (with "
+               "`solid.initial_rest`: before the search for rest); absent: the search loads the soil by gravity from "
+               "nothing, which gives nu / (1 - nu) on level ground; without a search the soil starts without stress."},
               positive());
   keys.text(
       "library", s.library,
@@ -504,6 +511,15 @@ void declare(Keys& keys, WaterFace& f) {
   keys.series(
       "basin_area", f.basin_area,
       {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
+  keys.series(
+      "basin_rain", f.basin_rain,
+      {"m/s",
+       "With `basin_area`, of a field: rain on the basin's water, or on its bottom while it is dry, as volume per "
+       "time and horizontal area; below zero: evaporation, as long as there is water."});
+  keys.number("spill_level", f.spill_level,
+              {"m",
+               "With `basin_area`, of a field: level up to which the basin holds water; more flows off at once (gauge "
+               "`basin`). A field needs it where the water would run over the upper end of the face."});
   keys.flag("outlet", f.outlet, {"", "Nothing stands behind the face: water that crosses it has left."});
   keys.series(
       "wave_amplitude", f.wave_amplitude,
@@ -553,7 +569,9 @@ void declare(Keys& keys, Load& l) {
   declare(keys, l.face);
   keys.optional_table("within",
                       "3D, with `point` and `normal` along an axis: only the part of the plane in this box, as far as "
-                      "soil lies there; the total force is the traction times its area.",
+                      "soil lies there; the total force is the traction times its area. Without `point` and `normal`: "
+                      "a shape that contains all soil; `pressure` then acts on the whole surface of the soil, of any "
+                      "shape, except where walls hold it.",
                       l.face.within, [](Keys& inner, Shape& shape) { declare(inner, shape); });
   keys.number("pressure", l.pressure,
               {"Pa", "Instead of `traction`: force per area across the face, into the soil where it is above zero."});
@@ -598,6 +616,20 @@ void declare(Keys& keys, Plate& p) {
   keys.number("mass", p.mass,
               {"kg", "Mass of a plate under a force (2D: kg/m); absent: the mass of one row of the soil before it."},
               positive());
+  keys.flag("tilts", p.tilts,
+            {"",
+             "2D, with `force`: the plate is free to turn. Both of its ends must lie a spacing or more off walls and "
+             "other plates."});
+  keys.number("eccentricity", p.eccentricity,
+              {"m", "With `tilts`: how far from the plate's middle, towards its last point, `force` acts; absent: 0."});
+  keys.series("moment", p.moment,
+              {"N m",
+               "With `tilts`: moment on the plate in addition to that of `force` (2D: N m/m); above zero where it "
+               "presses the plate's last point into the soil. It acts while `force` acts."});
+  keys.flag("lifts", p.lifts,
+            {"",
+             "With `tilts`, on dry soil: the plate does not pull at the soil; parts of it that would, come off, and "
+             "touch again once the gap has closed. Absent: the soil sticks to the plate."});
 }
 
 void declare(Keys& keys, PorePressure& p) {
@@ -859,8 +891,8 @@ void declare_shared(Keys& keys, Case& c) {
   keys.tables(
       "plate",
       "A rigid plate or footing on the soil's surface, a straight line (2D) or a rectangle along the axes (3D). "
-      "It moves in a prescribed way or under a force, and does not tilt. To water as a field (2D) it is tight "
-      "where no [[water_face]] lies on it.",
+      "It moves in a prescribed way or under a force, without turning unless it `tilts`. To water as a field (2D) it "
+      "is tight where no [[water_face]] lies on it.",
       c.plates, [](Keys& inner, Plate& plate) { declare(inner, plate); });
   keys.table("coupling", "How the phases exchange.", [&](Keys& inner) { declare(inner, c.coupling); });
 }

@@ -57,7 +57,8 @@ struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
   /// With water as a field in 3D: only the part of the soil's surface in this shape; without `normal`, all of that
-  /// part. For a load or plate in 3D: the part of the plane in this box.
+  /// part. For a load or plate in 3D: the part of the plane in this box; for a load without a plane a shape around the
+  /// soil.
   std::optional<Shape> within;
 };
 
@@ -128,6 +129,7 @@ struct Soil {
   Shape shape;
   std::optional<MaterialName> model;                ///< absent: solid.model applies
   double porosity = 0.4;                            ///< n
+  std::optional<double> contact_porosity;           ///< n below which the grains touch; absent: they do at the start
   double grain_density = 2600.0;                    ///< kg/m3, density of the grains themselves, rho_s
   const porous::SeepageLaw* seepage_law = nullptr;  ///< nullptr: the first of `porous::seepage_laws`
   std::optional<RetentionCase> retention;           ///< absent: no capillarity
@@ -139,7 +141,7 @@ struct Soil {
   double cohesion = 0.0;                         ///< Pa, at the saturation `initial_saturation`
   double friction_angle = 30.0;                  ///< degrees
   double dilation_angle = 0.0;                   ///< degrees
-  std::optional<double> earth_pressure_at_rest;  ///< K0; absent: the value that elastic loading by gravity gives
+  std::optional<double> earth_pressure_at_rest;  ///< K0 at the start; absent: no stress before the search for rest
   Cone cone = Cone::paper;
   std::optional<double> tensile_strength;    ///< Pa, see docs/case-file.md; absent: tension up to the apex of the cone
   std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: dilation does not end
@@ -185,20 +187,29 @@ struct Wall {
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;        ///< m: elevation (along -gravity) of the free surface behind the face; for a
-                                     ///< basin, that at time zero
-  std::optional<Series> pressure;    ///< Pa, uniform on the face
-  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) into the basin, or through the inlet into the domain
-  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal area of the basin against elevation [m], from its
-                                     ///< bottom up
-  bool outlet = false;               ///< only air is behind the face
-  bool free_water = false;           ///< particles of free water come and go before it: set by ground_part(), not by a
-                                     ///< key
+  std::optional<Series> head;         ///< m: elevation (along -gravity) of the free surface behind the face; for a
+                                      ///< basin, that at time zero
+  std::optional<Series> pressure;     ///< Pa, uniform on the face
+  std::optional<Series> discharge;    ///< m3/s (2D: m2/s) into the basin, or through the inlet into the domain
+  std::optional<Series> basin_area;   ///< m2 (2D: m), horizontal area of the basin against elevation [m], from its
+                                      ///< bottom up
+  std::optional<Series> basin_rain;   ///< m/s, rain on the basin's water, against time; negative: evaporation
+  std::optional<double> spill_level;  ///< m, level up to which the basin holds water
+  bool outlet = false;                ///< only air is behind the face
+  bool free_water = false;            ///< particles of free water come and go before it: set by ground_part(), not by a
+                                      ///< key
   std::optional<Series> wave_amplitude;         ///< Pa: amplitude A of a standing wave added to `pressure`
   double wave_length = 0.0, wave_period = 0.0;  ///< m, s: L and T
   /// Pressure of the standing wave at a place and time [Pa]: A cos(2 pi x / L) cos(2 pi t / T).
   [[nodiscard]] double wave(double x, double t) const;
 };
+
+/// Whether a basin lies behind one of the faces.
+inline bool has_basins(const std::vector<WaterFace>& faces) {
+  for (const auto& face : faces)
+    if (face.basin_area) return true;
+  return false;
+}
 
 /// [[rain]]: water that falls on the soil's surface along a face, or evaporates from it.
 struct Rain {
@@ -224,13 +235,15 @@ struct Load {
   Face face;
   Point3 traction = Point3::Zero();  ///< Pa
   std::optional<double> pressure;    ///< Pa, normal to the face and into the soil, in place of the traction
+  /// Whether it is a pressure on all of the soil's surface, of any shape (3D): a shape around the soil and no plane.
+  [[nodiscard]] bool on_all_sides() const { return face.within && face.points.empty() && face.normal.isZero(); }
   /// s; the traction acts from this time on. Absent: it always acts and is part of the initial equilibrium.
   std::optional<double> start;
   std::optional<Series> factor;  ///< factor on the traction against time; absent: 1
 };
 
-/// [[plate]]: a rigid plate on the soil's surface, which moves in a prescribed way or under a force, and does not tilt.
-/// It presses in the direction of its normal, which is the normal of its face into the soil.
+/// [[plate]]: a rigid plate on the soil's surface, which moves in a prescribed way or under a force. It
+/// presses in the direction of its normal, which is the normal of its face into the soil.
 struct Plate {
   enum class Surface { smooth, rough };  ///< no friction, or no slip
   std::string name;
@@ -243,6 +256,11 @@ struct Plate {
   /// s, time from which on the force acts; absent: it always acts, and the soil comes to rest under its first value.
   std::optional<double> start;
   std::optional<double> mass;  ///< kg (2D: kg/m), of a plate under a force; absent: mass of a row of the soil before it
+  bool tilts = false;          ///< a plate under a force is free to turn (2D)
+  bool lifts = false;          ///< a plate that tilts does not pull at the soil: parts of it come off
+  std::optional<double> eccentricity;  ///< m, of the force from the plate's middle, towards its last point; absent: 0
+  std::optional<Series> moment;  ///< N m/m, on the plate, in addition to that of the force; presses its last point
+                                 ///< into the soil
 };
 
 /// [[pore_pressure]]: prescribed pore water in soil that is computed without a water phase. Pores are full where the

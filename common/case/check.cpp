@@ -1,6 +1,7 @@
 #include "common/case/check.hpp"
 
 #include "common/case/amounts.hpp"
+#include "common/case/basin.hpp"
 #include "common/case/both.hpp"
 #include "common/case/complaints.hpp"
 #include "common/case/field.hpp"
@@ -9,7 +10,9 @@
 #include "common/case/materials.hpp"
 #include "common/case/parts.hpp"
 #include "common/case/plates.hpp"
+#include "common/case/soil_walls.hpp"
 #include "common/case/unsupported.hpp"
+#include "common/case/wall_edges.hpp"
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
 #include "common/geometry/flat_section.hpp"
@@ -49,9 +52,12 @@ class Checker : Complaints {
     walls();
     check_plates(scene_, places_);
     nothing_behind_planes();
+    check_wall_edges(scene_, places_);
     shaped_walls();
     soil_beside_shapes();
     soils_are_supported();
+    if (scene_.deformable()) check_soil_walls(scene_, places_);
+    nothing_on_periodic_sides();
     pore_pressures();
     if (scene_.has_water()) sides();
     gauges();
@@ -264,6 +270,21 @@ class Checker : Complaints {
                  [&](std::string_view of, const std::string& what) { fail(fmt::format("{}.{}", key, of), what); });
   }
 
+  void contact_of(const Soil& soil, const std::string& key) const {
+    if (!soil.contact_porosity || !scene_.deformable()) return;
+    if (!(*soil.contact_porosity < soil.porosity))
+      fail(key + ".contact_porosity",
+           fmt::format(
+               "expected less than the porosity of {} (grains that touch at the start need no contact_porosity), "
+               "found {}",
+               soil.porosity, *soil.contact_porosity));
+    if (scene_.solid.initial_rest)
+      fail(key + ".contact_porosity", "grains in suspension are not at rest; expected solid.initial_rest = false");
+    if (scene_.is_field())
+      fail(key + ".contact_porosity",
+           "water as a field needs soil that can stand at rest; expected fluid.representation = \"particles\"");
+  }
+
   void soils() const {
     const double spacing = scene_.deformable() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
     std::vector<Shape> shapes;
@@ -285,6 +306,7 @@ class Checker : Complaints {
         fail(key + ".maximum_void_ratio",
              fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
                          soil.porosity, *soil.maximum_void_ratio));
+      contact_of(soil, key);
       seepage(soil, key);
       shapes.push_back(soil.shape);
     }
@@ -439,7 +461,12 @@ class Checker : Complaints {
       if (f.wave_amplitude && !f.pressure)
         fail(key + ".wave_amplitude", "is added to the pressure of the face: expected 'pressure' beside it");
       if (f.basin_area && !f.discharge)
-        fail(key, "'basin_area' belongs to a 'discharge': expected what is poured into the basin");
+        fail(key,
+             "'basin_area' belongs to a 'discharge': expected what is poured into the basin, 0 if nothing is, found "
+             "none");
+      for (const char* other : {"basin_rain", "spill_level"})
+        if (given(key + "." + other) && !f.basin_area)
+          fail(key + "." + other, "belongs to a basin: expected 'basin_area' and 'discharge' with it, found neither");
       inlet(f, key);
       if (f.basin_area)
         for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
@@ -447,17 +474,33 @@ class Checker : Complaints {
           if (!(area > 0.0))
             fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
         }
+      if (f.basin_area && f.spill_level) {
+        const double bottom = f.basin_area->knots.front().first, first = basin_first_level(f);
+        if (!(*f.spill_level > bottom) || *f.spill_level < first)
+          fail(key + ".spill_level",
+               fmt::format("expected a level above the basin's bottom at {} m and not below the level at time zero, {} "
+                           "m, found {} m",
+                           bottom, first, *f.spill_level));
+      }
+      if (!f.free_water) own_name(scene_.water_faces, i, "water_face");
       for (std::size_t j = 0; j < i; ++j)
         if (const auto place = shared_place(f.face, scene_.water_faces[j].face, scene_.fluid.particle_spacing))
           fail(key, fmt::format("lies on {} at {} m: expected one water face at each place",
                                 named("water_face", j, scene_.water_faces[j].name), shown(*place)));
     }
-    for (std::size_t i = 0; i < scene_.rains.size(); ++i) face(scene_.rains[i].face, fmt::format("rain[{}]", i));
+    for (std::size_t i = 0; i < scene_.rains.size(); ++i) {
+      face(scene_.rains[i].face, fmt::format("rain[{}]", i));
+      own_name(scene_.rains, i, "rain");
+    }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
       const std::string key = fmt::format("load[{}]", i);
       face(scene_.loads[i].face, key);
       if (scene_.loads[i].pressure && given(key + ".traction"))
         fail(key, "expected either 'traction' or 'pressure', found both");
+      if (const auto& start = scene_.loads[i].start; start && *start < 0.0)
+        fail(key + ".start", fmt::format("time begins at 0 s, found {} s: expected none for a load that always acts, "
+                                         "under which the soil comes to rest before time zero",
+                                         *start));
       if (scene_.loads[i].factor && scene_.solid.quiet)
         fail(key + ".factor", "soil that sleeps does not see a load that changes: expected no [solid.quiet] beside it");
     }
@@ -596,6 +639,32 @@ class Checker : Complaints {
     }
   }
 
+  /// Refuses walls on the border at which the case repeats itself: what lies there continues on the other side.
+  void nothing_on_periodic_sides() const {
+    const auto& g = scene_.general;
+    for (const int axis : g.periodic)
+      for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
+        const Wall& wall = scene_.walls[w];
+        const bool counts = (wall.water != Wall::ForWater::none && scene_.has_water()) ||
+                            (wall.soil != Wall::ForSoil::none && scene_.deformable());
+        if (!counts || wall.shape) continue;
+        const double slack = 1e-6 * (g.domain_max[axis] - g.domain_min[axis]);
+        const auto on_a_side = [&](const Point3& a, const Point3& b) {
+          return std::ranges::any_of(std::array{g.domain_min[axis], g.domain_max[axis]}, [&](double side) {
+            return std::abs(a[axis] - side) < slack && std::abs(b[axis] - side) < slack;
+          });
+        };
+        const bool plane_there = wall.face.points.empty() && on_a_side(wall.face.point, wall.face.point) &&
+                                 std::abs(wall.face.normal.normalized()[axis]) > 1.0 - 1e-9;
+        if (plane_there ||
+            std::ranges::any_of(pieces(wall.face), [&](const Piece& piece) { return on_a_side(piece.a, piece.b); }))
+          fail(fmt::format("wall[{}]", w),
+               fmt::format("lies on a side at which the case repeats itself along {} (case.periodic): expected no "
+                           "wall there, or a case that is not periodic",
+                           "xyz"[axis]));
+      }
+  }
+
   void pore_pressures() const {
     for (std::size_t i = 0; i < scene_.pore_pressures.size(); ++i) {
       const auto& p = scene_.pore_pressures[i];
@@ -647,8 +716,10 @@ class Checker : Complaints {
       if (!wall.face.points.empty() || wall.shape) continue;
       const Point3 normal = wall.face.normal.normalized();
       const auto look = [&](const Shape& s, double spacing, const std::string& key, const char* what) {
+        // Packing moves particles by up to a spacing before a run begins.
+        const double allowed = scene_.general.dimension == 3 && is_packed(s) ? spacing : 1e-6 * spacing;
         for (const auto& x : lattice(s, spacing, {0.5, 0.5, 0.5}))
-          if (normal.dot(x - wall.face.point) < -1e-6 * spacing)
+          if (normal.dot(x - wall.face.point) < -allowed)
             fail(key, fmt::format("{} lies behind {}, for example at {} m: a wall by 'point' and 'normal' is a plane "
                                   "without end; expected all of it on the side to which the normal points",
                                   what, named("wall", i, wall.name), shown(x)));
@@ -959,6 +1030,14 @@ class Checker : Complaints {
       const bool in_space = gauge.kind == "front" || (gauge.kind == "exit_height" && scene_.is_field());
       if (line && !in_space && scene_.general.dimension != 2)
         fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
+      // Water particles have images behind walls, whose pressure would be read there.
+      if (gauge.kind == "pressure_force" && !scene_.is_field())
+        for (const Point3& end : gauge.points)
+          if (outside(end))
+            fail(key + ".points",
+                 fmt::format("expected a line within the walls, soil and water of the case, found {} m "
+                             "outside all of them",
+                             shown(end)));
       if (gauge.kind == "heave" && !scene_.general.gravity.isZero()) {
         const Point3 up = -scene_.general.gravity.normalized(), along = gauge.points[1] - gauge.points[0];
         const double width = (along - up.dot(along) * up).norm();
@@ -968,6 +1047,8 @@ class Checker : Complaints {
                            "a line across the soil, at least a particle spacing ({} m) wide",
                            width, scene_.fluid.particle_spacing));
       }
+      if ((gauge.kind == "exit_gradient" || gauge.kind == "exit_height") && scene_.general.dimension == 2)
+        of_a_face(gauge, key + ".points");
       if (gauge.kind == "slip_surface" && gauge.points.size() != 4)
         fail(key + ".points",
              fmt::format("a slip surface is looked for between two lines: expected the 2 ends of each, "
@@ -976,7 +1057,7 @@ class Checker : Complaints {
       const bool of_well =
           !gauge.quantity.empty() && std::any_of(scene_.wells.begin(), scene_.wells.end(),
                                                  [&](const Well& well) { return well.name == gauge.quantity; });
-      if ((gauge.kind == "level" || gauge.kind == "passed_volume" || of_face) && !of_well) {
+      if (gauge.kind == "basin" || ((gauge.kind == "level" || gauge.kind == "passed_volume" || of_face) && !of_well)) {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
                                         [&](const WaterFace& face) { return face.name == gauge.quantity; });
@@ -990,6 +1071,9 @@ class Checker : Complaints {
           fail(key + ".quantity",
                fmt::format("expected the name of a [[water_face]], found \"{}\": none has a name", gauge.quantity));
         }
+        if (gauge.kind == "basin" && !named->basin_area)
+          fail(key + ".quantity",
+               fmt::format("expected the name of a face with a 'basin_area', found \"{}\"", gauge.quantity));
         if (gauge.kind == "level" && !named->discharge && !named->head)
           fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
       }
@@ -1009,11 +1093,76 @@ class Checker : Complaints {
             key + ".points",
             fmt::format("expected a place within the walls, soil and water of the case, found {} m outside all of them",
                         shown(gauge.points.front())));
-      if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
-      for (std::size_t j = 0; j < i; ++j)
-        if (scene_.gauges[j].name == gauge.name)
+      if (gauge.region) {
+        shape(*gauge.region, key + ".region", 0.0);
+        if (beyond(*gauge.region))
+          fail(key + ".region", "expected a region within the walls, soil and water of the case, found one outside");
+      }
+      for (std::size_t j = 0; j < scene_.gauges.size(); ++j) {
+        const std::string& other = scene_.gauges[j].name;
+        if (j < i && other == gauge.name)
           fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", gauge.name));
+        if (j != i && is_series_of(gauge.name, scene_.gauges[j]))
+          fail(key + ".name",
+               fmt::format("expected a name of its own, found \"{}\", under which a series of gauge[{}], "
+                           "\"{}\", stands in gauges.csv",
+                           gauge.name, j, other));
+      }
     }
+  }
+
+  /// Whether a gauge writes a series of this name, made of its own name and an ending.
+  static bool is_series_of(const std::string& name, const Gauge& gauge) {
+    if (!name.starts_with(gauge.name) || name == gauge.name) return false;
+    const std::string ending = name.substr(gauge.name.size());
+    constexpr std::array endings{std::string_view("_x"),        std::string_view("_y"),
+                                 std::string_view("_z"),        std::string_view("_in"),
+                                 std::string_view("_out"),      std::string_view("_stored"),
+                                 std::string_view("_error"),    std::string_view("_at"),
+                                 std::string_view("_along"),    std::string_view("_displacement"),
+                                 std::string_view("_moment"),   std::string_view("_rotation"),
+                                 std::string_view("_touching"), std::string_view("_over_critical")};
+    return std::ranges::find(endings, ending) != endings.end() || (ending.front() == '[' && ending.back() == ']');
+  }
+
+  /// Whether a shape lies outside everything in the case.
+  [[nodiscard]] bool beyond(const Shape& s) const {
+    const auto [low, high] = bounds(s);
+    Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
+    const auto enclose = [&](const Point3& x) {
+      lower = lower.cwiseMin(x);
+      upper = upper.cwiseMax(x);
+    };
+    const auto enclose_shape = [&](const Shape& other) {
+      enclose(bounds(other).first);
+      enclose(bounds(other).second);
+    };
+    for (const auto& soil : scene_.soils) enclose_shape(soil.shape);
+    for (const auto& region : scene_.fluid.regions) enclose_shape(region);
+    for (const auto& wall : scene_.walls) {
+      if (wall.shape) enclose_shape(*wall.shape);
+      if (!wall.shape && wall.face.points.empty()) return false;  // a plane goes on without end
+      for (const auto& x : wall.face.points) enclose(x);
+    }
+    const int d = scene_.general.dimension;
+    return ((low - upper).head(d).array() > 0.0).any() || ((lower - high).head(d).array() > 0.0).any();
+  }
+
+  /// Refuses a reading of a face whose soil does not lie to the left of the line: it would be taken outside the soil.
+  void of_a_face(const Gauge& gauge, const std::string& key) const {
+    bool left = false, right = false;
+    for (const auto& place : places_on({gauge.points[0], gauge.points[1]})) {
+      left = left || in_soil(place.left);
+      right = right || in_soil(place.right);
+    }
+    if (left) return;
+    if (right)
+      fail(key, fmt::format("the soil lies to the right of the walk from {} to {} m; expected it on the left: turn the "
+                            "order of the points round",
+                            shown(gauge.points[0]), shown(gauge.points[1])));
+    if (gauge.kind == "exit_gradient")
+      fail(key, fmt::format("no soil lies beside the line from {} to {} m; expected a face of the soil",
+                            shown(gauge.points[0]), shown(gauge.points[1])));
   }
 
   void flat_section(const Gauge& gauge, const std::string& key) const {

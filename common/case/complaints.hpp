@@ -44,6 +44,15 @@ class Complaints {
                : fmt::format("[{:.{}g}, {:.{}g}]", x.x(), digits, x.y(), digits);
   }
 
+  /// Refuses a name that an earlier item of the section has: a gauge of that name would read both, or one of them.
+  template <class Items>
+  void own_name(const Items& items, std::size_t i, const char* section) const {
+    for (std::size_t j = 0; j < i && !items[i].name.empty(); ++j)
+      if (items[j].name == items[i].name)
+        fail(fmt::format("{}[{}].name", section, i),
+             fmt::format("expected a name of its own, found \"{}\" twice", items[i].name));
+  }
+
   /// Name of a table in messages: soil[0], or soil[0] "dam".
   static std::string named(std::string_view section, std::size_t i, const std::string& name) {
     return name.empty() ? fmt::format("{}[{}]", section, i) : fmt::format("{}[{}] \"{}\"", section, i, name);

@@ -3,6 +3,7 @@
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
 #include "common/case/materials.hpp"
+#include "common/case/wall_edges.hpp"
 #include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
@@ -29,8 +30,12 @@ class Doubts : Complaints {
   std::vector<std::string> all() {
     gravity();
     units();
+    other_measures();
+    tables_after_the_end();
+    idle_pore_pressures();
     own_weight();
     rows_at_an_angle();
+    for (auto& line : doubtful_wall_edges(scene_, places_)) lines_.push_back(std::move(line));
     if (scene_.has_water()) faces_never_wet();
     if (scene_.has_water() && !scene_.is_field() && !scene_.is_both()) {
       no_water();
@@ -73,6 +78,112 @@ class Doubts : Complaints {
               fmt::format("{:.3g} m/s is more than gravel has; hydraulic_conductivity is in m/s, and faster seepage is "
                           "not linear (\"forchheimer\", \"ergun\")",
                           seepage.conductivity));
+    }
+  }
+
+  /// Numbers that are plausible in other units or as other measures only.
+  void other_measures() {
+    constexpr double radians = 1.6, steepest = 1.5, largest_ratio = 10.0, heaviest_rain = 1e-3, coarse = 0.1;
+    const auto in_degrees = [&](const std::string& key, double angle) {
+      if (angle > 0.0 && angle < radians && given(key))
+        doubt(key, fmt::format("{:g} degrees are next to no friction; angles are in degrees", angle));
+    };
+    double size = 0.0;  // m, of the soil
+    for (const Soil& soil : scene_.soils) {
+      const auto [low, high] = bounds(soil.shape);
+      size = std::max(size, (high - low).head(d_).maxCoeff());
+    }
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      const std::string key = fmt::format("soil[{}]", i);
+      if (scene_.deformable() && material(scene_.model_of(soil)).has_cone())
+        in_degrees(key + ".friction_angle", soil.friction_angle);
+      if (soil.earth_pressure_at_rest && *soil.earth_pressure_at_rest > largest_ratio)
+        doubt(key + ".earth_pressure_at_rest",
+              fmt::format("the horizontal stress is {:g} times the vertical one; earth_pressure_at_rest is a ratio",
+                          *soil.earth_pressure_at_rest));
+      for (const char* friction : {"static_friction", "limiting_friction"})
+        if (given(key + "." + friction) && soil.own(friction) > steepest)
+          doubt(fmt::format("{}.{}", key, friction),
+                fmt::format("{:g} is the tangent of {:.0f} degrees; {} is a ratio of stresses, not an angle",
+                            soil.own(friction), std::atan(soil.own(friction)) * 180.0 / std::numbers::pi, friction));
+      if (given(key + ".grain_diameter") && soil.own("grain_diameter") > coarse * size)
+        doubt(key + ".grain_diameter", fmt::format("a grain is {:g} m large, the soil {:g} m; grain_diameter is in m",
+                                                   soil.own("grain_diameter"), size));
+      if (given(key + ".overconsolidation_ratio") && soil.own("preconsolidation_pressure") > 0.0)
+        doubt(key + ".overconsolidation_ratio", "has no effect: preconsolidation_pressure takes its place");
+    }
+    for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+      in_degrees(fmt::format("wall[{}].friction_angle", w), scene_.walls[w].friction_angle);
+    for (std::size_t i = 0; i < scene_.rains.size(); ++i)
+      if (scene_.rains[i].rate)
+        for (const auto& [time, rate] : scene_.rains[i].rate->knots)
+          if (std::abs(rate) > heaviest_rain) {
+            doubt(fmt::format("rain[{}].rate", i),
+                  fmt::format("{:g} m/s are {:.3g} mm per hour, more than any rain; rate is in m/s", rate,
+                              3.6e6 * std::abs(rate)));
+            break;
+          }
+    if (const auto& quiet = scene_.solid.quiet; quiet && quiet->sleep_below > quiet->wake_above)
+      doubt("solid.quiet.sleep_below",
+            fmt::format("soil goes to sleep at a larger departure from rest, {:g} g, than the change of force, {:g} g, "
+                        "that wakes it; expected less",
+                        quiet->sleep_below, quiet->wake_above));
+  }
+
+  /// Tables in time of which only the first value ever counts.
+  void tables_after_the_end() {
+    const double end = scene_.general.end_time;
+    const auto look = [&](const std::string& key, const std::optional<Series>& series) {
+      if (series && series->knots.size() > 1 && series->knots.front().first >= end)
+        doubt(key, fmt::format("begins at {:g} s, when the run has ended ({:g} s): its first value, {:g}, holds "
+                               "throughout; times are in s",
+                               series->knots.front().first, end, series->knots.front().second));
+    };
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const WaterFace& f = scene_.water_faces[i];
+      const std::string key = fmt::format("water_face[{}]", i);
+      look(key + ".head", f.head);
+      look(key + ".pressure", f.pressure);
+      look(key + ".discharge", f.discharge);
+      look(key + ".basin_rain", f.basin_rain);
+      look(key + ".wave_amplitude", f.wave_amplitude);
+    }
+    for (std::size_t i = 0; i < scene_.rains.size(); ++i) look(fmt::format("rain[{}].rate", i), scene_.rains[i].rate);
+    for (std::size_t i = 0; i < scene_.wells.size(); ++i) {
+      look(fmt::format("well[{}].discharge", i), scene_.wells[i].discharge);
+      look(fmt::format("well[{}].head", i), scene_.wells[i].head);
+    }
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i)
+      look(fmt::format("load[{}].factor", i), scene_.loads[i].factor);
+    for (std::size_t i = 0; i < scene_.plates.size(); ++i) {
+      const Plate& plate = scene_.plates[i];
+      const std::string key = fmt::format("plate[{}]", i);
+      look(key + ".displacement", plate.displacement);
+      look(key + ".speed", plate.speed);
+      look(key + ".force", plate.force);
+      look(key + ".along", plate.along);
+      look(key + ".moment", plate.moment);
+    }
+    for (std::size_t i = 0; i < scene_.pore_pressures.size(); ++i) {
+      look(fmt::format("pore_pressure[{}].head", i), scene_.pore_pressures[i].head);
+      look(fmt::format("pore_pressure[{}].pressure", i), scene_.pore_pressures[i].pressure);
+    }
+  }
+
+  /// Pore pressures that act on no soil: their region holds none, or an earlier one is everywhere.
+  void idle_pore_pressures() {
+    bool everywhere = false;
+    for (std::size_t i = 0; i < scene_.pore_pressures.size(); ++i) {
+      const PorePressure& p = scene_.pore_pressures[i];
+      const std::string key = fmt::format("pore_pressure[{}]", i);
+      if (everywhere) doubt(key, "has no effect: an earlier one without a region holds in all soil");
+      everywhere = everywhere || !p.region;
+      const bool met = !p.region || std::ranges::any_of(scene_.soils, [&](const Soil& soil) {
+        return std::ranges::any_of(places_in(soil.shape, scene_.solid.particle_spacing, d_),
+                                   [&](const Point3& x) { return contains(*p.region, x, d_); });
+      });
+      if (!met) doubt(key + ".region", "has no effect: no soil lies in it");
     }
   }
 
@@ -442,8 +553,8 @@ class Doubts : Complaints {
     gauges(idle);
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const std::string soil = fmt::format("soil[{}]", i);
-      idle(soil + ".earth_pressure_at_rest", scene_.deformable() && !s.initial_rest, "solid.initial_rest = false");
-      idle(soil + ".model", !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
+      for (const char* key : {"model", "contact_porosity"})
+        idle(soil + "." + key, !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
       const bool coulomb = scene_.model_of(scene_.soils[i]) == MaterialName::mohr_coulomb;
       idle(soil + ".cone", scene_.deformable() && coulomb, "it fits Drucker-Prager to what this model is");
       const Soil& own = scene_.soils[i];
@@ -470,6 +581,8 @@ class Doubts : Complaints {
                             "maximum_void_ratio", "saturated_cohesion"})
       idle(fmt::format("{}.{}", soil, key), mine.strength == Material::Strength::own,
            fmt::format("soil.model = \"{}\" has a strength of its own", mine.name));
+    idle(soil + ".undrained_shear_strength", !mine.has_cone(),
+         fmt::format("soil.model = \"{}\" has no cohesion", mine.name));
   }
   template <class Idle>
   void shapes(const Idle& idle) {
@@ -503,8 +616,8 @@ class Doubts : Complaints {
       const std::string key = fmt::format("gauge[{}]", i);
       idle(key + ".quantity",
            g.kind != "point" && g.kind != "momentum" && g.kind != "level" && g.kind != "passed_volume" &&
-               !(g.kind == "discharge" && scene_.is_field()) && g.kind != "infiltration" && g.kind != "evaporation" &&
-               g.kind != "runoff" && g.kind != "plate",
+               g.kind != "basin" && !(g.kind == "discharge" && scene_.is_field()) && g.kind != "infiltration" &&
+               g.kind != "evaporation" && g.kind != "runoff" && g.kind != "plate",
            fmt::format("a gauge of kind \"{}\" reads one quantity only", g.kind));
       idle(key + ".pressure_head", g.kind != "front", "it belongs to a \"front\"");
       idle(key + ".every", g.kind != "factor_of_safety", "it belongs to \"factor_of_safety\"");
@@ -515,9 +628,10 @@ class Doubts : Complaints {
       idle(key + ".points", std::find(with_points.begin(), with_points.end(), g.kind) == with_points.end(),
            fmt::format("a gauge of kind \"{}\" is of the whole phase, or of its 'region'", g.kind));
       constexpr std::array without_region{
-          "point",        "front",       "discharge",     "exit_height",      "exit_gradient",    "height",
-          "slip_surface", "level",       "passed_volume", "balance",          "received_impulse", "drag_work",
-          "infiltration", "evaporation", "runoff",        "factor_of_safety", "pressure_force",   "heave"};
+          "point",        "front",        "discharge",   "exit_height",   "exit_gradient",    "height",
+          "slip_surface", "level",        "basin",       "passed_volume", "balance",          "received_impulse",
+          "drag_work",    "infiltration", "evaporation", "runoff",        "factor_of_safety", "pressure_force",
+          "heave"};
       idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
            fmt::format("a gauge of kind \"{}\" knows no region", g.kind));
       if (g.kind == "pressure_force" && scene_.is_field() && g.points.size() == 2) off_the_soil(g, key);

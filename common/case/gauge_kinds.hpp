@@ -34,6 +34,10 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"extent", "fluid", "how far the water reaches from the first of `points` towards the second"},
     {"spread", "fluid", "rms distance from the water's mean position, along the line of `points`"},
     {"level", "fluid", "level of the water behind the face, or in the well, named by `quantity`"},
+    {"basin", "fluid",
+     "of a field: water of the basin behind the face named by `quantity`: `_stored`; since the start `_in` (poured in, "
+     "rain), `_out` (drawn off, evaporated), `_spilled` and `_seeped` (into the soil, less what came out of it); "
+     "`_error` = in - out - spilled - seeped - gain"},
     {"passed_volume", "fluid",
      "volume that came in less volume that went out through the face or well named by `quantity`; absent: through all "
      "of them"},
@@ -58,7 +62,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"infiltration", "fluid",
      "of a field: rain that soaked in since the start, under the rain named by `quantity`; absent: all"},
     {"evaporation", "fluid", "of a field: soil water that has evaporated, likewise"},
-    {"runoff", "fluid", "of a field: what could neither soak in nor pond, likewise"},
+    {"runoff", "fluid",
+     "of a field: rain that could neither soak in nor pond, and soil water that came out under the rain where no face "
+     "lies; likewise"},
     {"min_pressure", "fluid", "lowest pressure of any particle"},
     {"height", "solid", "of its surface above `points`"},
     {"grain_volume", "solid", "volume of the grains alone"},
@@ -70,7 +76,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"plate", "solid",
      "of the plate named by `quantity`: the force with which it presses on the soil along its normal [N; 2D: N/m]; "
      "`_along` (2D): its force along the line, towards its last point [N/m]; `_displacement`: how far it has moved "
-     "into the soil [m]"},
+     "into the soil [m], at its middle. Of a plate that tilts also `_moment`: the moment about its middle that it puts "
+     "on the soil [N m/m]; `_rotation`: how far it has turned [rad], both above zero where its last point presses into "
+     "the soil; and, where it lifts, `_touching`: the part of its length that touches the soil [m]"},
     {"max_displacement", "solid", "largest displacement of any particle"},
     {"max_plastic_strain", "solid", "largest plastic strain of any particle"},
     {"slip_surface", "solid",

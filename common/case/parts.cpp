@@ -11,10 +11,10 @@
 namespace poretwin {
 namespace {
 
-constexpr std::array kinds_in_ground{std::string_view("front"),          std::string_view("discharge"),
-                                     std::string_view("exit_height"),    std::string_view("exit_gradient"),
-                                     std::string_view("pressure_force"), std::string_view("heave"),
-                                     std::string_view("level"),          std::string_view("passed_volume")};
+constexpr std::array kinds_in_ground{
+    std::string_view("front"),         std::string_view("discharge"),      std::string_view("exit_height"),
+    std::string_view("exit_gradient"), std::string_view("pressure_force"), std::string_view("heave"),
+    std::string_view("level"),         std::string_view("passed_volume"),  std::string_view("basin")};
 constexpr std::array kinds_in_free_water{
     std::string_view("max_speed"), std::string_view("kinetic_energy"), std::string_view("potential_energy"),
     std::string_view("energy"),    std::string_view("momentum"),       std::string_view("extent"),

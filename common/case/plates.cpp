@@ -33,6 +33,7 @@ class Plates : Complaints {
       touches_soil(plate.face, key);
       beside_walls(plate.face, key);
       alone(i, key);
+      if (plate.tilts) turns_freely(i, key);
     }
   }
 
@@ -115,9 +116,42 @@ class Plates : Complaints {
     if (plate.along && in_3d_) fail(key + ".along", "belongs to dimension = 2, found dimension = 3");
     if (plate.along && plate.surface != Plate::Surface::rough)
       fail(key + ".along", "a smooth plate does not take the soil along: expected surface = \"rough\"");
+    if (plate.start && *plate.start < 0.0)
+      fail(key + ".start",
+           fmt::format("time begins at 0 s, found {} s: expected none for a force that always acts, under "
+                       "which the soil comes to rest before time zero",
+                       *plate.start));
     if (!plate.force && plate.start) fail(key + ".start", "is the time from which 'force' acts: expected 'force'");
     if (!plate.force && plate.mass)
       fail(key + ".mass", "a plate that moves in a prescribed way needs no mass: expected 'force', or no 'mass'");
+    tilt(plate, key);
+  }
+
+  /// Refuses what belongs to a plate that tilts, where it does not, and plates that tilt where they are not computed.
+  void tilt(const Plate& plate, const std::string& key) const {
+    if (!plate.tilts) {
+      for (const auto& [is_given, name] : {std::pair{plate.eccentricity.has_value(), "eccentricity"},
+                                           {plate.moment.has_value(), "moment"},
+                                           {plate.lifts, "lifts"}})
+        if (is_given)
+          fail(fmt::format("{}.{}", key, name), "without 'tilts' the plate does not turn: expected tilts = true");
+      return;
+    }
+    const std::string here = key + ".tilts";
+    if (in_3d_) fail(here, "belongs to dimension = 2, found dimension = 3");
+    if (!plate.force)
+      fail(here, "a plate that moves in a prescribed way does not turn: expected 'force', which may be 0");
+    if (plate.face.points.empty())
+      fail(here, "a plate without ends has no middle to turn about: expected its 2 ends as 'points'");
+    if (!scene_.general.periodic.empty())
+      fail(here, "plates that turn beside periodic sides were not examined: expected no case.periodic");
+    const double half = 0.5 * (plate.face.points[1] - plate.face.points[0]).norm();
+    if (plate.eccentricity && std::abs(*plate.eccentricity) >= half)
+      fail(key + ".eccentricity", fmt::format("the force acts beside the plate: expected less than half its length, "
+                                              "{:g} m, found {:g} m",
+                                              half, *plate.eccentricity));
+    if (plate.lifts && (scene_.coupled() || !scene_.pore_pressures.empty()))
+      fail(key + ".lifts", "the water in the gap under a plate that has come off is not computed: expected dry soil");
   }
 
   [[nodiscard]] bool soil_at(const Point3& x) const {
@@ -220,18 +254,46 @@ class Plates : Complaints {
   void alone(std::size_t i, const std::string& key) const {
     const Plate& plate = scene_.plates[i];
     const double dx = scene_.solid.particle_spacing;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!plate.name.empty() && scene_.plates[j].name == plate.name)
-        fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", plate.name));
+    own_name(scene_.plates, i, "plate");
+    for (std::size_t j = 0; j < i; ++j)
       if (const auto place = shared_place(plate.face, scene_.plates[j].face, dx))
         fail(key, fmt::format("lies on plate[{}] at {} m: expected one plate at each place", j, shown(*place)));
-    }
     for (std::size_t j = 0; j < scene_.loads.size(); ++j)
       if (const auto place = shared_place(plate.face, scene_.loads[j].face, dx))
         fail(key,
              fmt::format("lies on load[{}] at {} m, which acts on the soil and not on the plate: expected its force "
                          "in 'force' of the plate, or a load beside the plate",
                          j, shown(*place)));
+  }
+
+  /// Refuses plates that tilt and are not free to do so: an end on a wall or on another plate would rub or jam there,
+  /// and half of a footing does not turn at its plane of symmetry. Also a water face on such a plate.
+  void turns_freely(std::size_t i, const std::string& key) const {
+    const double dx = scene_.solid.particle_spacing;
+    const auto gap = [](const Face& other, const Point3& x) {
+      double least = HUGE_VAL;
+      if (other.points.empty() && !other.normal.isZero())
+        least = std::abs(other.normal.normalized().dot(x - other.point));
+      for (const Piece& piece : pieces_of(other)) least = std::min(least, distance_from(piece, x));
+      return least;
+    };
+    const auto expect_free = [&](const Face& other, const std::string& name) {
+      for (const Point3& end : scene_.plates[i].face.points)
+        if (gap(other, end) < 0.99 * dx)
+          fail(key + ".tilts",
+               fmt::format("its end {} m lies {:.3g} m off {}, which does not let it turn: expected both "
+                           "ends a spacing or more away",
+                           shown(end), gap(other, end), name));
+    };
+    for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+      if (scene_.walls[w].soil != Wall::ForSoil::none)
+        expect_free(scene_.walls[w].face, named("wall", w, scene_.walls[w].name));
+    for (std::size_t j = 0; j < scene_.plates.size(); ++j)
+      if (j != i) expect_free(scene_.plates[j].face, named("plate", j, scene_.plates[j].name));
+    for (std::size_t j = 0; j < scene_.water_faces.size(); ++j)
+      if (shared_place(scene_.plates[i].face, scene_.water_faces[j].face, dx))
+        fail(key + ".tilts", fmt::format("{} lies on it and would not turn with it: expected a tight plate",
+                                         named("water_face", j, scene_.water_faces[j].name)));
   }
 
   /// Refuses plates that cross walls or lie on them, and ends that nearly meet a wall.

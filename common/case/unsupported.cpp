@@ -355,6 +355,28 @@ class Supported : Complaints {
       }
   }
 
+  /// Refuses a load without a plane that is no pressure, or whose shape does not contain all soil: the force of a
+  /// pressure is that of a uniform stress, and at the end of a part it would pull at the soil's inside. Water particles
+  /// would have to bear their part of it along a face.
+  void pressure_on_all_sides(const Load& load, const std::string& key) const {
+    const double dx = scene_.solid.particle_spacing;
+    if (d_ != 3) fail(key + ".within", "belongs to dimension = 3; expected 'points', a line");
+    if (!load.pressure)
+      fail(key, "without 'point' and 'normal' expected a 'pressure', which acts on the whole surface of the soil");
+    if (scene_.coupled() && !scene_.is_field())
+      fail(key,
+           "a pressure on all sides of soil with water particles is not computed; expected "
+           "fluid.representation = \"field\"");
+    if (!scene_.plates.empty()) fail(key, "a pressure on all sides would act under the plates, too; expected none");
+    for (const auto& soil : scene_.soils)
+      for (const auto& x : places_in(soil.shape, dx, d_))
+        if (!contains(*load.face.within, x, d_))
+          fail(key + ".within",
+               fmt::format("does not contain the soil at {} m: a pressure without 'point' and 'normal' acts on the "
+                           "whole surface of the soil; expected a shape around all soil",
+                           shown(x)));
+  }
+
   /// Refuses loads far from the soil's surface, that is, from the last particles against the load's normal. The force
   /// has an error of 0.3 % within 2 spacings of the surface, and is 1.5 to 2.7 times too large 4 spacings from it.
   void loads() const {
@@ -373,6 +395,10 @@ class Supported : Complaints {
       for (const auto& piece : pieces_of(f)) {
         const Point3 along = (piece.b - piece.a).normalized();
         planes.push_back({piece.a, piece.left(), along, along.dot(piece.a), along.dot(piece.b)});
+      }
+      if (scene_.loads[i].on_all_sides()) {
+        pressure_on_all_sides(scene_.loads[i], fmt::format("load[{}]", i));
+        continue;
       }
       if (f.within) part_of_plane(f, fmt::format("load[{}].within", i));
       bool any = std::ranges::any_of(scene_.soils, [&](const Soil& soil) {  // sampled too coarsely to decide

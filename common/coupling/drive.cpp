@@ -28,6 +28,15 @@ decltype(auto) timed(DriveReport& report, const Activity& activity, F&& f) {
   return f();
 }
 
+/// Advances by a window, or rejects it where the phase gives it up.
+Outcome advance_or_give_up(Phase& phase, const Window& window, const Inbox& inbox) {
+  try {
+    return phase.advance(window, inbox);
+  } catch (const WindowGivenUp& given_up) {
+    return Outcome::reject(window.interval, given_up.what());
+  }
+}
+
 /// Keeps back the frame and gauges of a window until the window is known to be final.
 class PendingRecord {
  public:
@@ -153,7 +162,9 @@ class CoupledRun {
     advanced_ = false;
     const Outcome outcome = timed(report_, computing, [&] {
       phase_.save();
-      return phase_.advance(command.window, command.inbox);
+      Window window = command.window;
+      window.saved = true;
+      return advance_or_give_up(phase_, window, command.inbox);
     });
     if (!outcome.accepted) {
       ++report_.rejected;
@@ -236,7 +247,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
   const Inbox nothing;
   std::uint64_t step = 0;
   int rejections = 0;
-  double limit = no_limit;
+  double limit = no_limit, took = long_window;  // took: s of wall-clock time, for the last window
   CheckpointSchedule schedule(checkpoints);
   auto archive = [&](Archive& state) { state(phase, recorder, report, record, clock, step); };
   auto write_checkpoint = [&] {
@@ -268,17 +279,20 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
   while (!clock.finished() && !interrupted()) {
     const auto [proposed, cause] = timed(report, computing, [&] { return phase.proposal(); });
     const auto plan = clock.plan(std::min(proposed, limit));
-    const Window window{step + 1, plan.start, plan.interval};
+    const bool saved = phase.may_reject() || took >= long_window;
+    const Window window{.step = step + 1, .time = plan.start, .interval = plan.interval, .saved = saved};
+    const double before = report.computing;
     const Outcome outcome = timed(report, computing, [&] {
-      if (phase.may_reject()) phase.save();
-      return phase.advance(window, nothing);
+      if (saved) phase.save();
+      return advance_or_give_up(phase, window, nothing);
     });
+    took = report.computing - before;
     if (!outcome.accepted) {
       ++report.rejected;
       if (++rejections > most_rejections)
         throw DivergedError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}",
                                         window.step, window.time, rejections, window.interval, outcome.reason));
-      if (phase.may_reject()) timed(report, computing, [&] { phase.restore(); });
+      if (saved) timed(report, computing, [&] { phase.restore(); });
       limit = retry_interval(plan.interval, outcome.suggested_interval);
       continue;
     }

@@ -51,6 +51,10 @@ DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, con
 /// Length [s] with which a rejected window is repeated: the suggested length, but at most half of the one tried.
 double retry_interval(double tried, double suggested);
 
+/// Wall-clock time of a window [s] from which on a phase alone saves its state before the next one, also if it never
+/// rejects: a signal to stop then need not wait for its end.
+inline constexpr double long_window = 0.5;
+
 /// Number of successive rejections of one window after which the run is given up.
 inline constexpr int most_rejections = 20;
 

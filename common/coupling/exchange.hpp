@@ -55,6 +55,8 @@ inline constexpr std::string_view surface_share =
 inline constexpr std::string_view surface_gradient = "surface_gradient";  // Pa/m, pressure gradient there
 inline constexpr std::string_view spreading_rate =
     "spreading_rate";  // 1/s, expansion of the mixture that strains no skeleton
+inline constexpr std::string_view basin_level =
+    "basin_level";  // m, of the water behind the nearest face with a basin (only in cases with such faces)
 // solid -> fluid
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
@@ -78,6 +80,9 @@ enum class WaterAs { particles, field };
 
 /// Fields of the standard contract that a role gives. The role takes the fields that the other role gives.
 std::vector<FieldSpec> standard_fields(Role giver, int dimension, WaterAs water = WaterAs::particles);
+
+/// The level of basins behind faces, which a field of pore water gives in addition in a case with basins.
+inline FieldSpec basin_level_field() { return {std::string(field::basin_level), "m", 1, Mapping::consistent, {}}; }
 
 /// The properties on which both sides must agree before the first window.
 struct Contract {
@@ -151,6 +156,7 @@ struct Window {
   double time = 0.0;      ///< s, start
   double interval = 0.0;  ///< s
   unsigned pass = 0;      ///< number of earlier passes through this window
+  bool saved = false;     ///< the state at its start is saved, so that the phase may give it up (WindowGivenUp)
 };
 
 /// A phase's answer to a window.

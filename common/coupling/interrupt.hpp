@@ -1,6 +1,8 @@
-// Ctrl-C, SIGTERM and SIGUSR1 set a flag that the loops check, so that a window is finished and recorded before a
-// process ends.
+// Ctrl-C, SIGTERM and SIGUSR1 set a flag that the loops check, so that a process ends at the start or end of a window,
+// with a checkpoint.
 #pragma once
+
+#include <exception>
 
 namespace poretwin::coupling {
 
@@ -21,5 +23,15 @@ class InterruptGuard {
 
 /// Whether a user or a supervisor has asked this process to stop.
 bool interrupted();
+
+/// Leaves a window before its end, since the process is to stop. Whoever runs the phase restores the saved state.
+struct WindowGivenUp : std::exception {
+  [[nodiscard]] const char* what() const noexcept override { return "window given up"; }
+};
+/// Throws WindowGivenUp if the process is to stop. Phases call it between substeps and iterations of windows whose
+/// start is saved.
+inline void give_up_if_interrupted() {
+  if (interrupted()) throw WindowGivenUp();
+}
 
 }  // namespace poretwin::coupling

@@ -117,6 +117,8 @@ class Participant::Implementation {
   }
 
   void reject(const Outcome& outcome) {
+    // Before the refusal, so that the coupler does not order the window once more.
+    if (interrupted() && !told_interrupt_) send_heartbeat();
     Message message;
     message.step = step_;
     message.iteration = iteration_;

@@ -89,7 +89,7 @@ class Phase {
   virtual void initialise(const coupling::Inbox& inbox) = 0;
 
   /// Advances by one window. After a rejection the caller restores the state. Throws DivergedError if no shorter window
-  /// would help.
+  /// would help, and WindowGivenUp if the process is to stop and the window's start is saved.
   virtual coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) = 0;
 
   /// save() stores the complete state (particles, lists that affect results, initial guesses, controllers); restore()
@@ -97,7 +97,7 @@ class Phase {
   virtual void save() = 0;
   virtual void restore() = 0;
 
-  /// Whether the phase, run alone, may reject a window. If not, drive_alone() does not save its state before windows.
+  /// Whether the phase, run alone, may reject a window. If not, drive_alone() saves its state before long windows only.
   [[nodiscard]] virtual bool may_reject() const { return true; }
 
   /// Writes the complete state to a checkpoint between windows, or reads it. After reading, the run continues bit by

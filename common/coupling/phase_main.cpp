@@ -70,9 +70,12 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   options.interrupted = interrupted;
   std::optional<CurveKeys> keys;
   if (!arguments.keys.empty()) keys = read_curve_keys(arguments.keys, KeyHolder::participant);
-  auto line = arguments.alone ? nullptr : connect_socket(arguments.address, keys);
-  const Case scene = arguments.case_file.empty() ? case_of_coupler(*line, role, arguments, options)
-                                                 : read_case(arguments.case_file, arguments.overrides);
+  // The coupler closes a connection that is silent for long. A process that needs nothing from it therefore connects
+  // only after its particles are made, which can take minutes in 3D.
+  const bool asks = !arguments.alone && arguments.case_file.empty();
+  auto line = asks ? connect_socket(arguments.address, keys) : nullptr;
+  const Case scene =
+      asks ? case_of_coupler(*line, role, arguments, options) : read_case(arguments.case_file, arguments.overrides);
   expect_representation(scene, role, representation);
   if (arguments.alone) expect_own(scene, role);
   run.phase = make(scene);
@@ -93,6 +96,7 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   Contract contract = run.phase->contract();
   if (contract.case_digest.empty()) contract.case_digest = scene.digest();
   contract.case_part = scene.coupled_part();
+  if (!line) line = connect_socket(arguments.address, keys);
   options.keeps_checkpoints = true;
   if (arguments.resume)
     for (const auto& checkpoint : checkpoints.whole()) options.checkpoints.push_back(checkpoint.name);

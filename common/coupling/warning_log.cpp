@@ -57,7 +57,7 @@ void WarningLog::note_gauges(double time) {
   if (series_.empty() && gauges_.empty()) return;
   note(time, {{"gauges without any reading", static_cast<double>(absent.size()), listed(absent), false},
               {"gauges without a value in any reading", static_cast<double>(empty.size()),
-               listed(empty) + ": nan throughout, as the phase was never there", false}});
+               listed(empty) + ": nan throughout: what they read was never at their places", false}});
 }
 
 bool WarningLog::result_in_doubt() const {

@@ -81,13 +81,17 @@ void pack(const Solid& solid, double spacing, Lattice<3>& lattice) {
   parallel_for(n, [&](std::size_t a) {
     // In a corner the point is moved away from one face after the other.
     constexpr int most_faces = 8;
-    for (int k = 0; k < most_faces; ++k)
+    bool moved = true;
+    for (int k = 0; k < most_faces && moved; ++k) {
+      moved = false;
       for (const auto& part : solid.parts()) {
         const double depth = part.depth(x[a], 2.0 * spacing);
         if (depth >= pushed_in * spacing) continue;
+        moved = true;
         const Vec<3> inward = (part.cut_out ? 1.0 : -1.0) * part.mesh.normal(part.mesh.nearest(x[a], HUGE_VAL)->facet);
         x[a] += (pushed_in * spacing - depth) * inward;
       }
+    }
   });
   for (int k = 0; k < most_steps; ++k) {
     std::vector<Surfaces::WallPoints> mirrors;

@@ -1,5 +1,7 @@
 #include "common/geometry/shapes.hpp"
 
+#include "common/geometry/pieces.hpp"
+
 #include "common/geometry/extent.hpp"
 #include "common/geometry/packing.hpp"
 #include "common/geometry/solid.hpp"
@@ -182,6 +184,16 @@ bool is_inlet(const Case& scene, const WaterFace& face) {
     }
   }
   return true;
+}
+
+double distance_from(const Face& face, const Point3& x, int dimension) {
+  double nearest = HUGE_VAL;
+  for (const auto& piece : pieces_of(face)) nearest = std::min(nearest, distance_from(piece, x));
+  if (dimension == 2 || face.normal.isZero()) return nearest;
+  const Point3 inwards = face.normal.normalized();
+  const double distance = inwards.dot(x - face.point);
+  if (distance < 0.0 || (face.within && !contains(*face.within, x - distance * inwards, 3))) return nearest;
+  return std::min(nearest, distance);
 }
 
 bool is_reservoir(const Case& scene, const WaterFace& face) {

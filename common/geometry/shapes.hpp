@@ -24,6 +24,10 @@ Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension);
 /// Otherwise the water behind it is still and needs no particles.
 bool is_inlet(const Case& scene, const WaterFace& face);
 
+/// Distance [m] of x from a face: from its lines, or (3D) from its part of a plane, before which x must lie; else
+/// infinite.
+double distance_from(const Face& face, const Point3& x, int dimension);
+
 /// Whether still water that no particles represent lies behind the face, up to the level that a head prescribes or that
 /// follows from a basin's balance.
 bool is_reservoir(const Case& scene, const WaterFace& face);

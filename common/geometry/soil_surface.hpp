@@ -20,7 +20,8 @@ class SoilSurface {
   /// of the place, but not on the outer side.
   [[nodiscard]] bool is_border(const Point3& x, const Point3& outwards) const;
 
-  /// Whether no soil lies on the outer side of a place near the surface [m], up to a quarter of a spacing from it.
+  /// Whether a place [m] on the plane of a facet is open: the soil ends there, or, beside a curved surface from which
+  /// the plane departs, a quarter of a spacing farther out.
   [[nodiscard]] bool is_open(const Point3& x, const Point3& outwards) const;
 
   struct Place {
@@ -28,9 +29,12 @@ class SoilSurface {
   };
   /// Places of the soil's border, about a given distance [m] apart.
   [[nodiscard]] std::vector<Place> places(double apart) const;
+  /// Number of the soil that ends at a place of the border.
+  [[nodiscard]] std::size_t soil_of(const Place& place) const;
 
  private:
-  [[nodiscard]] bool in_soil(const Point3& x) const;
+  /// The soil at a place; nullptr: none.
+  [[nodiscard]] const Soil* soil_at(const Point3& x) const;
 
   const Case& scene_;
   double spacing_;

@@ -31,7 +31,9 @@ class Retention {
   std::unique_ptr<RetentionCurve> curve_;
   double joint_head_;                             ///< m, head where the two parts of u meet
   Rate joint_;                                    ///< S_e at joint_head_
-  std::vector<double> potential_, permeability_;  ///< at the heads of the table
+  std::vector<double> heads_;                     ///< m, of the table of Phi, falling from 0
+  std::vector<double> potential_, permeability_;  ///< at these heads
+  std::vector<std::size_t> place_;                ///< by row of even logarithms: its place in the table
 };
 
 /// The curve of a soil; nullptr if the soil has no capillarity.

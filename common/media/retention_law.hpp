@@ -36,6 +36,8 @@ class RetentionCurve {
   [[nodiscard]] virtual double head(double saturation) const = 0;
   /// The pressure head [m], at most zero, at which S_e rises fastest.
   [[nodiscard]] virtual double steepest() const = 0;
+  /// Pressure heads [m] below zero between which k_r is smooth, where it has corners or rises over a short range.
+  [[nodiscard]] virtual std::vector<double> corners() const { return {}; }
 };
 
 /// Parameters from which a law makes the curves of a soil.

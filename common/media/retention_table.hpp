@@ -10,7 +10,8 @@
 namespace poretwin::porous {
 
 /// A monotonically rising table, interpolated by monotone cubics (Fritsch & Carlson 1980). Below its first row it
-/// continues as a power of the suction, above its last row it is constant.
+/// continues as a power of the suction, above its last row it is constant. It meets the constant without a corner, at
+/// which Newton's method would find no solution.
 class RisingTable {
  public:
   explicit RisingTable(const Series& rows) : rows_(rows.knots), slope_(rows.knots.size(), 0.0) {
@@ -21,7 +22,7 @@ class RisingTable {
     // Harmonic means of the neighbouring slopes (Fritsch & Butland 1984) keep every piece monotone.
     power_ = std::log(rows_[1].second / rows_[0].second) / std::log(rows_[0].first / rows_[1].first);
     slope_.front() = std::min(-power_ * rows_[0].second / rows_[0].first, 3.0 * chord.front());
-    slope_.back() = chord.back();
+    slope_.back() = 0.0;
     for (std::size_t i = 1; i + 1 < n; ++i) slope_[i] = 2.0 / (1.0 / chord[i - 1] + 1.0 / chord[i]);
   }
   [[nodiscard]] Rate at(double psi) const {
@@ -81,6 +82,15 @@ class RetentionTable final : public RetentionCurve {
   [[nodiscard]] Rate permeability(double psi) const override { return permeability_.at(psi); }
   [[nodiscard]] double head(double saturation) const override { return saturation_.inverse(saturation); }
   [[nodiscard]] double steepest() const override { return steepest_; }
+  [[nodiscard]] std::vector<double> corners() const override {
+    constexpr int parts = 8;  // of each piece, whose permeability may rise by orders of magnitude
+    std::vector<double> heads{permeability_.rows().front().first};
+    for (std::size_t i = 0; i + 1 < permeability_.rows().size(); ++i) {
+      const double from = permeability_.rows()[i].first, to = permeability_.rows()[i + 1].first;
+      for (int k = 1; k <= parts; ++k) heads.push_back(k < parts ? from + (to - from) * k / parts : to);
+    }
+    return heads;
+  }
 
  private:
   RisingTable saturation_, permeability_;

@@ -14,11 +14,12 @@ namespace poretwin {
 class SparseRows {
  public:
   SparseRows() = default;
-  /// The matrix of n rows with off-diagonal entries at these (row, column) places. Each place is given once, in any
-  /// order. All values are zero.
+  /// The matrix of n rows with off-diagonal entries at these (row, column) places. They are given in any order,
+  /// and may be given more than once. All values are zero.
   SparseRows(std::size_t n, std::vector<std::pair<Index, Index>> places) {
     for (std::size_t a = 0; a < n; ++a) places.emplace_back(static_cast<Index>(a), static_cast<Index>(a));
     std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
     offset_.assign(n + 1, 0);
     for (const auto& [row, column] : places) {
       ++offset_[row + 1];

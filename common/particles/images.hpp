@@ -31,7 +31,8 @@ struct ImagePlane {
     Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();
   };
   std::array<End, 2> ends{};
-  double speed = 0.0;  ///< m/s, of a moving mirror (a piston) along its normal
+  double speed = 0.0;  ///< m/s, of a moving mirror (a piston) along its normal, at `point`
+  double spin = 0.0;   ///< 1/s, of a mirror that turns: gain of its speed per length along `tangent` (2D)
   int boundary = 0;    ///< number of the boundary in the solver, 0..31
   /// For points whose sight walls block (sight.hpp): number of the wall piece as a screen, the same for both of its
   /// sides; -1: the piece is no screen. seen_from, seen_to: extent of the screen along `tangent` [m].
@@ -80,8 +81,9 @@ void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x,
     const double distance = plane.normal.dot(x - plane.point);
     const bool endless = plane.to <= plane.from;
     if (distance >= 0.0 || (distance < -reach && !endless) || !plane.faces(x)) continue;
+    const double turning = plane.spin * plane.tangent.dot(x - plane.point);  // m/s
     x += (std::min(-distance, reach) - distance) * plane.normal;
-    v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
+    v -= std::min(0.0, plane.normal.dot(v) - plane.speed - turning) * plane.normal;
   }
 }
 

@@ -9,28 +9,8 @@
 
 namespace poretwin::fluid {
 
-double basin_level(const Series& area, double volume) {
-  const auto& knots = area.knots;
-  double rest = std::max(0.0, volume);
-  for (std::size_t i = 0;; ++i) {
-    const auto [z, A] = knots[i];
-    const bool last = i + 1 == knots.size();
-    const double slope = last ? 0.0 : (knots[i + 1].second - A) / (knots[i + 1].first - z);
-    if (!last) {
-      const double whole = area.integral(z, knots[i + 1].first);
-      if (rest > whole) {
-        rest -= whole;
-        continue;
-      }
-    }
-    // Solves A y + slope y^2 / 2 = rest for y, in a form without cancellation.
-    return z + 2.0 * rest / (A + std::sqrt(std::max(0.0, A * A + 2.0 * slope * rest)));
-  }
-}
-
 Basin::Basin(const Case& scene, const WaterFace& face) : area_(*face.basin_area), inflow_(*face.discharge) {
-  const double bottom = area_.knots.front().first;
-  first_level_ = face.head ? std::max(bottom, face.head->at(0.0)) : bottom;
+  first_level_ = basin_first_level(face);
   face_ = fmt::format("water_face[{}]{}", &face - scene.water_faces.data(),
                       face.name.empty() ? "" : " \"" + face.name + "\"");
   const auto crest = crest_of(scene, face);

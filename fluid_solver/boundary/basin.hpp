@@ -1,16 +1,10 @@
 // A reservoir whose level follows from its inflow and from the volume that passes the face.
 #pragma once
 
+#include "common/case/basin.hpp"
 #include "fluid_solver/boundary/water_boundary.hpp"
 
 namespace poretwin::fluid {
-
-/// Volume [m^D] of a basin up to a level [m]. area: surface area against elevation.
-inline double basin_volume(const Series& area, double level) { return area.integral(area.knots.front().first, level); }
-
-/// Level [m] at a volume [m^D]. The area is linear between the knots and constant above the last knot. Without water
-/// the level is the bottom.
-double basin_level(const Series& area, double volume);
 
 class Basin final : public WaterBoundary {
  public:

@@ -210,7 +210,8 @@ InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>&
   // The conductivity with which Darcy's law gives the same discharge when the front is half a spacing inside.
   const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
   const double seepage = here->resistance.speed(n * gamma * gradient) / gradient;
-  return {seepage * total / gamma, magnitude > 0.0 ? seepage * setup.weight.dot(c.normal) / magnitude : 0.0};
+  return {seepage * setup.ground.through(c.normal) * total / gamma,
+          magnitude > 0.0 ? seepage * setup.ground.through(c.normal, setup.weight) / magnitude : 0.0};
 }
 
 /// At a face of soil with air behind it, the water's surface is the face itself. Elsewhere in soil, the suction of the

@@ -25,13 +25,19 @@ struct Cloud {
   OrZero<Vec<D>> solid_velocity, solid_change, surface_gradient;
   OrZero<double> surface_share, spreading;
   ScalarArray mask, void_fraction;
-  sph::Sight<D> sight;        ///< lines of sight past the walls
-  std::vector<Index> column;  ///< [buffers, which follow the particles] the face column of each buffer
-  std::size_t n_base = 0;     ///< number of points that are not images
-  std::vector<Index> by, of;  ///< [images] see sph::Images; only where lines of sight are limited
+  sph::Sight<D> sight;          ///< lines of sight past the walls
+  std::vector<Index> column;    ///< [buffers, which follow the particles] the face column of each buffer
+  std::size_t n_base = 0;       ///< number of points that are not images
+  std::vector<Index> by, of;    ///< [images] see sph::Images; only where lines of sight are limited
   std::vector<Index> original;  ///< [images] the point whose image it is
   bool shaped_walls = false;    ///< images lie behind walls of any shape (3D)
+  /// [images] 1: behind a wall at which the pressure has a slope, as in soil in beds. Such an image has no pressure.
+  /// Empty: all images have the pressure of their originals.
+  std::vector<char> without_pressure;
   [[nodiscard]] std::size_t size() const { return position.size(); }
+  [[nodiscard]] bool has_pressure(Index j) const {
+    return j < n_base || without_pressure.empty() || without_pressure[j - n_base] == 0;
+  }
 };
 
 /// A point of the still water behind a face of prescribed head. The point stands for a bulk volume of this water, which
@@ -42,10 +48,12 @@ struct StillWater {
   double volume = 0.0, pressure = 0.0;  ///< m^D; piezometric, Pa
 };
 
-/// The cloud of the present state. sticky: walls at which water does not slip, one bit for each wall.
+/// The cloud of the present state. sticky: walls at which water does not slip, one bit for each wall. slope_at_walls:
+/// the pressure has a slope at walls.
 template <int D>
 Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& weight, const Vec<D>& origin,
-                    std::span<const StillWater<D>> reservoir = {}, std::uint32_t sticky = 0) {
+                    std::span<const StillWater<D>> reservoir = {}, std::uint32_t sticky = 0,
+                    bool slope_at_walls = false) {
   const auto& p = state.particles;
   Cloud<D> c;
   c.n_real = p.size();
@@ -101,6 +109,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   c.of = std::move(images.of);
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Index q = images.parent[i];
+    if (slope_at_walls) c.without_pressure.push_back(images.map[i].isIdentity() ? 0 : 1);
     c.position.push_back(images.position[i]);
     c.volume.push_back(c.volume[q]);
     c.length.push_back(c.length[q]);
@@ -187,7 +196,9 @@ class Probe {
   }
   /// Value and gradient of the total pressure [Pa] at x.
   [[nodiscard]] Fit pressure(const Vec<D>& x) const {
-    return fit(x, [this](Index j) { return cloud_.pressure[j]; });
+    const auto at = [this](Index j) { return cloud_.pressure[j]; };
+    if (cloud_.without_pressure.empty()) return fit(x, at);
+    return fit(x, at, [this](Index j) { return cloud_.has_pressure(j); });
   }
 
  private:

@@ -3,8 +3,10 @@
 
 #include "common/core/vector.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/media/anisotropy.hpp"
 #include "common/media/seepage.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace poretwin::fluid {
@@ -47,6 +49,8 @@ class Ground {
       strata_.push_back(s);
       shapes_.push_back(soil.shape);
     }
+    if (!scene.soils.empty() && porous::is_anisotropic(scene.soils.front()))
+      beds_ = porous::relative_conductivity(scene, scene.soils.front()).topLeftCorner<D, D>();
   }
 
   /// The soil at a place (where several overlap, the first); nullptr where there is no soil.
@@ -64,12 +68,22 @@ class Ground {
   [[nodiscard]] const std::vector<Stratum>& strata() const { return strata_; }
   /// Specific weight of water [N/m3] to which the case's `conductivity` refers.
   [[nodiscard]] double specific_weight() const { return specific_weight_; }
+  /// Tensor of conductivity of soil in beds over the conductivity along the beds, the same for all soils of a case;
+  /// empty: the soils have no beds.
+  [[nodiscard]] const std::optional<Mat<D>>& beds() const { return beds_; }
+  /// Flux through a plane with this unit normal under a gradient of the head, over the conductivity along the beds.
+  [[nodiscard]] double through(const Vec<D>& normal, const Vec<D>& gradient) const {
+    return beds_ ? normal.dot(*beds_ * gradient) : normal.dot(gradient);
+  }
+  /// The same under a gradient of 1 along the normal.
+  [[nodiscard]] double through(const Vec<D>& normal) const { return beds_ ? through(normal, normal) : 1.0; }
   /// Ratio of the largest to the smallest conductivity of the soils.
   [[nodiscard]] double contrast() const { return contrast_; }
 
  private:
   std::vector<Stratum> strata_;
   std::vector<Shape> shapes_;
+  std::optional<Mat<D>> beds_;
   double specific_weight_ = 0.0, contrast_ = 1.0;
 };
 

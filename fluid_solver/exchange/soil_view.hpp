@@ -20,6 +20,8 @@ template <int D>
 struct SoilView {
   ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
   std::vector<int> number;  ///< [n] index of the soil in the case; -1: in no soil; empty for soil that moves
+  OrZero<double> outside;   ///< [n] m, distance outside the edge of soil that moves, negative inside; of points within
+                            ///< reach of the soil
   OrZero<double> coverage;  ///< [n] coverage by the points of soil that moves: 1 inside, 0 out of their reach
   ScalarArray fraction;     ///< [n] solid fraction n_s, which includes the residual water of moist soil
   std::vector<porous::Resistance> resistance;  ///< [n] zero in free water; empty where `drag` is the whole law
@@ -117,6 +119,11 @@ bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& vel
 inline double membership_ramp(double asymmetry) {
   return (exchange::outside_asymmetry - asymmetry) / exchange::ramp_width;
 }
+/// Distance outside a flat edge of the soil [m] of a place with this asymmetry. spacing: m, of the soil's points.
+inline double distance_outside(double asymmetry, double spacing) {
+  return (asymmetry - (exchange::outside_asymmetry - 0.5 * exchange::ramp_width)) / exchange::asymmetry_per_spacing *
+         spacing;
+}
 inline double membership(double asymmetry) { return std::clamp(membership_ramp(asymmetry), 0.0, 1.0); }
 
 /// Soil membership, with hysteresis, of water in or beside tight soil that moves; `before` is its previous value. Such
@@ -164,7 +171,8 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = setup.ground.specific_weight();
-  for (auto* values : {&soil.coverage, &soil.density, &soil.strain_rate, &soil.modulus, &soil.plastic_shear_ratio})
+  for (auto* values :
+       {&soil.outside, &soil.coverage, &soil.density, &soil.strain_rate, &soil.modulus, &soil.plastic_shear_ratio})
     values->allocate(n);
   for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.returned_impulse}) values->allocate(n);
   const auto vector = [](const Field& from, std::size_t a) {
@@ -178,10 +186,11 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
     for (auto* values : {&soil.found_velocity, &soil.found_force}) values->allocate(n);
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
+    soil.outside.set(a, distance_outside(asymmetry[a], setup.soil_spacing));
     soil.returned_impulse.set(a, vector(returned, a));
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil itself
+    const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
     const auto passes_by = [&] {
-      const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
       if (!moves || !setup.drag || !(conductivity[a] > 0.0)) return false;
       const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
       return !inertia_rules(n_w, setup.density, drag, setup.spacing, setup.gravity);
@@ -204,9 +213,13 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
     soil.modulus.set(a, modulus[a]);
     soil.plastic_shear_ratio.set(a, std::clamp(yielding[a], 0.0, 1.0));
     const double porosity = 1.0 - n_s;
+    // Water that soil at rest covers in part seeps through that part and the free water in series. Where the soil moves
+    // as a whole, water flows along its edge: there the law is that of the mean porosity.
     if (setup.drag)
-      soil.resistance[a] = porous::resistance(
-          weight, porosity, porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - whole, porosity));
+      soil.resistance[a] =
+          porous::resistance(weight, porosity,
+                             moves ? porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - whole, porosity)
+                                   : porous::Seepage{conductivity[a] / mask, mask * quadratic[a]});
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;

@@ -67,7 +67,7 @@ void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Partic
 template <int D>
 void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, const WindowSolution<D>& solution,
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,
-          std::span<const Vec<D>> repair, std::span<const double> gained, double interval, State<D>& state) {
+          std::span<const Vec<D>> besides, std::span<const double> gained, double interval, State<D>& state) {
   auto& p = state.particles;
   // Water in soil that moves as a whole keeps its packing: only motion of the water through the soil disorders it.
   auto motion = moved<D>(state.particles);
@@ -77,7 +77,7 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
     motion[a] *= std::min(1.0, speed[a] * interval / (motion::shifts_from * spacing_of<D>(p.volume[a])));
   });
   auto shift = packing_displacements<D>(s, speed, motion, p.surface, p.in_seepage, interval, state.full);
-  parallel_for(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
+  parallel_for(besides.size(), [&](std::size_t a) { shift[a] += besides[a]; });
   collide<D>(s, p.in_seepage, p.mass, p.velocity);
   parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> d = interval * p.velocity[a];

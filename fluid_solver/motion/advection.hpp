@@ -23,11 +23,12 @@ void keep_inside(const Walls<D>& walls, const Vec<D>& before, double spacing, Ve
 template <int D>
 void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Particles<D>& p);
 
-/// Moves all water to the window's end. velocity_before: velocity at the window's start; repair [m]: displacements that
-/// repair() returns; gained [n] m^D: volume that comes into each particle in the window (empty: none).
+/// Moves all water to the window's end. velocity_before: velocity at the window's start; besides [m]: displacements
+/// besides those by the velocity (repair, catch_up), may be empty; gained [n] m^D: volume that comes into each particle
+/// in the window (empty: none).
 template <int D>
 void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, const WindowSolution<D>& solution,
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,
-          std::span<const Vec<D>> repair, std::span<const double> gained, double interval, State<D>& state);
+          std::span<const Vec<D>> besides, std::span<const double> gained, double interval, State<D>& state);
 
 }  // namespace poretwin::fluid

@@ -125,6 +125,14 @@ double repair_time_at(const Setup<D>& setup, const Particles<D>& p, std::size_t 
       {motion::repair_windows * interval, std::min(free_repair_time(setup, spacing), held), std::min(pushed, passed)});
 }
 
+/// Fraction of the mixture's volume that moved with the skeleton in the last window: the grains, and the part of the
+/// pore water that drag moved against its inertia.
+template <int D>
+double moves_with_soil(const Setup<D>& setup, const State<D>& state, const SoilView<D>& view, std::size_t a) {
+  const double n = state.particles.void_fraction[a], aw = n * setup.density / state.last_interval;
+  return view.fraction[a] + n * view.drag[a] / (aw + view.drag[a]);
+}
+
 /// Fraction of the repair of the packing that moves the soil, too. At the rate at which water passes through the soil,
 /// water alone moves, as in soil at rest. What the soil's own motion adds to that rate moves the points of soil and
 /// water together. This evens out points and is no strain of the soil: if the skeleton counted it as strain, packing
@@ -208,29 +216,40 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
   });
   if (setup.responds) p.spreading = std::move(spreading);
   if (!setup.responds || state.last_interval <= 0.0) return source;
-  // The soil's actual motion differs from the prediction. The volumetric strain of this difference is applied to the
-  // water no faster than it arose: after a long window, each short one applies its fraction of it.
-  const double came = state.last_interval, due = std::max(state.deferred_strain_due, interval);
-  state.deferred_strain_due = std::max({0.0, state.deferred_strain_due - interval, came - interval});
-  if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
-  // Fraction of the mixture's volume that moves with the skeleton: the grains, and the part of the pore water that drag
-  // moves against its inertia.
-  const auto follows = [&](std::size_t a) {
-    const double aw = p.void_fraction[a] * setup.density / came;
-    return view.fraction[a] + p.void_fraction[a] * view.drag[a] / (aw + view.drag[a]);
-  };
-  VecArray<D> beyond(p.size(), Vec<D>::Zero());
-  for (std::size_t a = 0; a < p.size(); ++a)
-    if (view.fraction[a] > 0.0) beyond[a] = follows(a) * (view.mean_velocity[a] - p.solid_velocity[a]);
-  const auto rate = divergence<D>(s, beyond);
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    const double strain = came * rate[a], applied = strain / std::max(interval, came) + p.deferred_strain[a] / due;
-    source[a] -= applied;
-    p.deferred_strain.set(a, p.deferred_strain[a] + (strain - applied * interval));
-  }
   const auto unseen = unseen_strain_rate<D>(state, s, view, interval);
-  for (std::size_t a = 0; a < p.size(); ++a) source[a] -= follows(a) * unseen[a];
+  for (std::size_t a = 0; a < p.size(); ++a) source[a] -= moves_with_soil(setup, state, view, a) * unseen[a];
   return source;
+}
+
+template <int D>
+VecArray<D> deferred_flux(const Setup<D>& setup, State<D>& state, const SoilView<D>& view, double interval) {
+  auto& p = state.particles;
+  if (!setup.responds || state.last_interval <= 0.0) return {};
+  const double came = state.last_interval, due = std::max(state.deferred_motion_due, interval);
+  state.deferred_motion_due = std::max({0.0, state.deferred_motion_due - interval, came - interval});
+  if (!p.deferred_motion.is_allocated()) p.deferred_motion.allocate(p.size());
+  VecArray<D> deferred(p.size(), Vec<D>::Zero());
+  parallel_for(p.size(), [&](std::size_t a) {
+    Vec<D> motion = Vec<D>::Zero();
+    if (view.fraction[a] > 0.0)
+      motion = came * moves_with_soil(setup, state, view, a) * (view.mean_velocity[a] - p.solid_velocity[a]);
+    deferred[a] = motion / std::max(interval, came) + p.deferred_motion[a] / due;
+    p.deferred_motion.set(a, p.deferred_motion[a] + (motion - interval * deferred[a]));
+  });
+  return deferred;
+}
+
+template <int D>
+VecArray<D> catch_up(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> deferred, double interval,
+                     const State<D>& state) {
+  if (deferred.empty() || setup.computes_beside) return {};
+  const auto& p = state.particles;
+  VecArray<D> behind(p.size(), Vec<D>::Zero());
+  parallel_for(p.size(), [&](std::size_t a) {
+    const double with_soil = moves_with_soil(setup, state, view, a), n_s = view.fraction[a];
+    if (with_soil > 0.0) behind[a] = interval * (1.0 - n_s / with_soil) / p.void_fraction[a] * deferred[a];
+  });
+  return behind;
 }
 
 /// In saturated soil at rest, displacements without net volume repair the packing, so that no water passes a face. A
@@ -270,6 +289,9 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
   template double packing_error(const Setup<D>&, const Particles<D>&, const Stencil<D>&, std::size_t, double, bool); \
   template ScalarArray volume_source(const Setup<D>&, State<D>&, const Stencil<D>&, const SoilView<D>&,              \
                                      std::span<const Mat<D>>, double);                                               \
+  template VecArray<D> deferred_flux(const Setup<D>&, State<D>&, const SoilView<D>&, double);                        \
+  template VecArray<D> catch_up(const Setup<D>&, const SoilView<D>&, std::span<const Vec<D>>, double,                \
+                                const State<D>&);                                                                    \
   template VecArray<D> repair(const Setup<D>&, const State<D>&, const Stencil<D>&, const SoilView<D>&, double);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -29,10 +29,23 @@ double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil
                      bool loose_counts = false);
 
 /// Rate of expansion of each particle's volume [1/s], as a source in the pressure equation. It consists of the repair
-/// of the packing, the curvature of the motion in time, and the deformation of the soil beyond the prediction.
+/// of the packing, the curvature of the motion in time, and the strain of the soil that its mapped motion does not
+/// show.
 template <int D>
 ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                           std::span<const Mat<D>> velocity_gradient, double interval);
+
+/// Flux of the skeleton [m/s] in earlier windows beyond the flux that was predicted, as it is applied to the water's
+/// volume in this window: no faster than it arose. After a long window each short one applies its fraction of it. Empty
+/// where no skeleton responds.
+template <int D>
+VecArray<D> deferred_flux(const Setup<D>& setup, State<D>& state, const SoilView<D>& view, double interval);
+
+/// Displacements [m] by which the pore water catches up with the soil: drag moved it also where the soil departed from
+/// the prediction, of which `deferred` is the part of this window. Empty where no such soil is near.
+template <int D>
+VecArray<D> catch_up(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> deferred, double interval,
+                     const State<D>& state);
 
 /// Displacements [m] that repair the packing where the pressure cannot repair it.
 template <int D>

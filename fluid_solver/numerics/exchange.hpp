@@ -28,6 +28,11 @@ inline constexpr double outside_asymmetry = 0.63;
 /// Unit: 1. Test: none known.
 inline constexpr double ramp_width = 0.32;
 
+/// Growth of that asymmetry with the distance outside a flat edge. It is nearly constant: from 0.47 at the edge to 2 at
+/// the last neighbour, 2.6 spacings of the soil away.
+/// Unit: 1 per spacing of the soil. Test: SoilSurface.PassesTheWaterOfSoilThatIsCompressed (untried).
+inline constexpr double asymmetry_per_spacing = 0.59;
+
 /// Smoothing length of the sums (67) and (74) of Bui & Nguyen (2017), who use the same value and kernel (cubic spline).
 /// Unit: spacings of the soil. Test: Seepage.SmoothedDragIsAsStrongAsItsKernelSum (untried).
 inline constexpr double drag_smoothing_ratio = 1.2;

@@ -103,4 +103,8 @@ inline constexpr double free_compression = 0.01;
 /// Unit: 1. Test: Eisph.WindowsFollowFromTheCompressionOfASweep (untried).
 inline constexpr double soil_compression = 0.1;
 
+/// Least part of a pair of soil and free water that counts as soil, so that the edge does not fall on a particle.
+/// Unit: length of the pair. Test: SoilSurface.PassesTheWaterOfSoilThatIsCompressed (untried).
+inline constexpr double least_inside = 0.05;
+
 }  // namespace poretwin::fluid::pressure

@@ -95,15 +95,18 @@ class Reader {
   /// along the border and the gradient of the pressure across it jump by the ratio of the conductivities. A fit to
   /// points on both sides would be wrong by a good part of the change over one spacing.
   template <class Field>
-  [[nodiscard]] typename Probe<D>::Fit fit(const Vec<D>& x, const Field& f) const {
+  [[nodiscard]] typename Probe<D>::Fit fit(const Vec<D>& x, const Field& f, bool of_pressure = false) const {
     const Stratum* here = soil_.empty() ? nullptr : ground_.at(x);
-    if (!here) return probe_.fit(x, f);
-    return probe_.fit(x, f, [&](Index j) { return !soil_[j] || soil_[j] == here; });
+    const bool some = of_pressure && !cloud_.without_pressure.empty();
+    if (!here && !some) return probe_.fit(x, f);
+    return probe_.fit(
+        x, f, [&](Index j) { return (!here || !soil_[j] || soil_[j] == here) && (!some || cloud_.has_pressure(j)); });
   }
   /// Total pressure [Pa] and its gradient. The fit is made without the part of the weight: where few points give no
   /// slope, the value is then the mean of the piezometric pressure.
   [[nodiscard]] typename Probe<D>::Fit pressure(const Vec<D>& x) const {
-    auto result = fit(x, [&](Index j) { return cloud_.pressure[j] - weight_.dot(cloud_.position[j] - x); });
+    auto result = fit(
+        x, [&](Index j) { return cloud_.pressure[j] - weight_.dot(cloud_.position[j] - x); }, true);
     result.gradient += weight_;
     return result;
   }
@@ -393,7 +396,10 @@ class Reader {
     if (gauge.kind == "received_impulse") momentum = state_.exchanged.received;
     if (gauge.kind == "unexplained_impulse") momentum -= state_.exchanged.received + state_.exchanged.from_outside;
     if (gauge.kind == "momentum" || gauge.kind == "received_impulse" || gauge.kind == "unexplained_impulse")
-      for (int d = 0; d < D; ++d) add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
+      for (int d = 0; d < D; ++d)
+        if (gauge.kind != "momentum" || gauge.quantity.empty() ||
+            gauge.quantity.ends_with(axes[static_cast<std::size_t>(d)]))
+          add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
     if (gauge.kind == "kinetic_energy") add(gauge.name, kinetic, "J");
     if (gauge.kind == "potential_energy") add(gauge.name, potential, "J");
     if (gauge.kind == "drag_work") add(gauge.name, state_.exchanged.drag_work, "J");
@@ -471,7 +477,7 @@ class Reader {
 template <int D>
 Vec<D> wall_force(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state) {
   Vec<D> force = Vec<D>::Zero();
-  const auto cloud = make_cloud<D>(state, walls, setup.weight, setup.origin);
+  const auto cloud = make_cloud<D>(state, walls, setup.weight, setup.origin, {}, 0, setup.ground.beds().has_value());
   const Probe<D> probe(cloud);
   for (const auto& wall : setup.pressed_walls) {
     const Line<D> line(wall.from, wall.to);
@@ -500,7 +506,8 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& fac
   const bool any =
       std::any_of(setup.gauges.begin(), setup.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
-  const auto cloud = make_cloud<D>(state, walls, setup.weight, setup.origin, {}, setup.no_slip);
+  const auto cloud =
+      make_cloud<D>(state, walls, setup.weight, setup.origin, {}, setup.no_slip, setup.ground.beds().has_value());
   Reader<D> reader(setup, faces, state, cloud);
   for (const auto& gauge : setup.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);

@@ -27,7 +27,7 @@ void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>
   }
   for (double& x : low) x = setup.domain.min(x);
   for (double& x : high) x = setup.domain.max(x);
-  auto in = window_problem<D>(setup, state,
+  auto in = window_problem<D>(setup, walls, state,
                               std::sqrt(2.0 * ((high - low).norm() + setup.spacing) / setup.gravity_or_standard));
   in.response = false;
   in.tolerance = pressure::initial_tolerance;

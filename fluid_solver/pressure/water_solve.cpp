@@ -11,13 +11,15 @@
 namespace poretwin::fluid {
 
 template <int D>
-WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval) {
+WindowProblem<D> window_problem(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state, double interval) {
   WindowProblem<D> in;
   in.interval = interval;
   in.density = setup.density;
   in.weight = setup.weight;
   in.origin = setup.origin;
   in.inertia = !is_driven_by_pressure(setup, state);
+  in.beds = setup.ground.beds();
+  if (in.beds) in.walls = {walls.planes, &walls.sight, setup.joints};
   in.response = setup.responds;
   in.fixed_soil = setup.fixed_soil;
   in.void_fraction = state.particles.void_fraction;
@@ -125,7 +127,8 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                                      \
-  template WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);           \
+  template WindowProblem<D> window_problem(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state,      \
+                                           double interval);                                                         \
   template std::vector<Section<D>> solved_sections(const Setup<D>& setup, const State<D>& state);                    \
   template WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in, \
                                              const Passes<D>& passes, SoilView<D>& view, State<D>& state);           \

@@ -1,6 +1,7 @@
 // The pressure solve of one window for the water in its present state.
 #pragma once
 
+#include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/exchange/passes.hpp"
 #include "fluid_solver/pressure/window.hpp"
 #include "fluid_solver/state.hpp"
@@ -9,7 +10,7 @@ namespace poretwin::fluid {
 
 /// The problem of a window of `interval` [s], without velocities and sources.
 template <int D>
-WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);
+WindowProblem<D> window_problem(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state, double interval);
 
 /// The sections of the gauges of kind discharge, in their order, where the pressure drives the whole flow: in 2D, in
 /// soil at rest that is full of water. Elsewhere the result is empty.

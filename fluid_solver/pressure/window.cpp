@@ -6,6 +6,7 @@
 #include "fluid_solver/discretisation/unresolved_pressure.hpp"
 #include "fluid_solver/numerics/pressure.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
+#include "fluid_solver/pressure/soil_edge.hpp"
 
 #include <algorithm>
 namespace poretwin::fluid {
@@ -44,7 +45,9 @@ struct Eliminations {
   const WindowProblem<D>& in;
   const SoilView<D>& soil;
   Elimination operator[](std::size_t a) const {
-    const double n = in.void_fraction[a], aw = in.inertia ? n * in.density / in.interval : 0.0;
+    const double n = in.void_fraction[a];
+    const bool inert = in.inertia && !(in.beds && soil.mask[a] > 0.5);  // in beds water flows by Darcy's law
+    const double aw = inert ? n * in.density / in.interval : 0.0;
     return eliminate(aw, n, soil.fraction[a], soil.drag[a]);
   }
 };
@@ -82,7 +85,13 @@ class WindowSolver {
  public:
   WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
                const WindowProblem<D>& problem)
-      : s_(stencil), domain_(stencil.domain), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real), q_{problem, soil} {
+      : s_(stencil),
+        domain_(stencil.domain),
+        soil_(soil),
+        flags_(flags),
+        in_(problem),
+        n_(stencil.n_real),
+        q_{problem, soil} {
     if (in_.response) {
       r_.resize(n_);
       for (std::size_t a = 0; a < n_; ++a) {
@@ -92,6 +101,7 @@ class WindowSolver {
       }
       any_response_ = domain_.any(any_response_);
     }
+    find_edge();
     sources_ = make_sources();  // before the matrix: their temporary arrays together with the matrix would need too
                                 // much memory
     make_laplacians();
@@ -111,6 +121,15 @@ class WindowSolver {
   /// What drives the water besides the pressure and the skeleton [N/m3]: its momentum divided by the window's length,
   /// and the explicit part of a quadratic drag.
   [[nodiscard]] Vec<D> push(std::size_t a) const { return q_[a].aw * before(a) + soil_.drag_offset[a]; }
+  /// Flux of the water by its momentum and by the explicit drag alone, and the deferred flux [m/s].
+  [[nodiscard]] Vec<D> carried(std::size_t a) const {
+    return in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a) +
+           (in_.deferred_flux.empty() ? Vec<D>(Vec<D>::Zero()) : in_.deferred_flux[a]);
+  }
+  /// Flux of water and skeleton at the window's start [m/s].
+  [[nodiscard]] Vec<D> flux_before(std::size_t a) const {
+    return in_.void_fraction[a] * before(a) + soil_.fraction[a] * soil_.velocity[a];
+  }
   [[nodiscard]] Vec<D> before(std::size_t a) const {
     return in_.velocity.empty() ? Vec<D>(Vec<D>::Zero()) : in_.velocity[a];
   }
@@ -156,8 +175,9 @@ class WindowSolver {
   /// Right-hand side of every row, from the divergence over the window [m^D/s].
   ScalarArray make_sources() const {
     VecArray<D> flux(n_);
-    parallel_for(n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a); });
+    parallel_for(n_, [&](std::size_t a) { flux[a] = carried(a); });
     ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
+    edge_.add_to_divergence(flux, sources);
     if (in_.sweeps > 0) parallel_for(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
     parallel_for(n_, [&](std::size_t a) {
       sources[a] = s_.volume[a] * (in_.source[a] - sources[a]);
@@ -166,12 +186,39 @@ class WindowSolver {
     return sources;
   }
 
+  /// Whether a particle lies in soil that moves together with its water. Only where the regimes are given.
+  [[nodiscard]] bool in_motion(std::size_t a) const {
+    return soil_.mask[a] > 0.5 && responds(a) && in_.in_seepage[a] == 0;
+  }
+  /// Finds the edge of soil under free water. Where the soil moves as a whole the pairs are left as they are
+  /// (free_beside_moving_soil).
+  void find_edge() {
+    if (!soil_.outside.is_allocated() || !in_.inertia) return;
+    std::vector<char> moves(n_, 0);
+    if (!in_.in_seepage.empty()) {
+      parallel_for(n_, [&](std::size_t a) {
+        bool found = in_motion(a);
+        for (Index k = s_.offset[a]; k < s_.offset[a + 1] && !found && soil_.mask[a] > 0.0 && soil_.mask[a] <= 0.5; ++k)
+          if (const Index q = s_.parent[s_.other[k]]; q < n_) found = in_motion(q);
+        moves[a] = found ? 1 : 0;
+      });
+    }
+    edge_ = SoilEdge<D>(
+        s_, soil_, [&](std::size_t a) { return q_[a].kf; }, moves, in_.density / in_.interval,
+        [&](std::size_t a) { return responds(a); });
+  }
+  void conduct_at_edge() {
+    edge_.for_pairs([&](std::size_t a, const EdgePair& pair) {
+      const double weight = fluid_.weight[pair.k];
+      if (weight != 0.0) set_weight(a, pair.k, weight * pair.mobility() / harmonic(q_[a].kf, q_[s_.parent[pair.j]].kf));
+    });
+  }
+
   /// Whether a pair joins free water and soil that moves together with its water. Their flux is the mean of both sides,
   /// of which the soil's moves with the skeleton. The pressure therefore acts on half of the free water's mobility. A
   /// harmonic mean of the mobilities would be right only for a skeleton at rest.
   [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
-    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.in_seepage[i] == 0; };
-    return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
+    return (soil_.mask[a] <= 0.5 && in_motion(q)) || (soil_.mask[q] <= 0.5 && in_motion(a));
   }
   /// Sets the weight of pair k in row a, and adds the change to the diagonal, so that the row's sum remains the same.
   void set_weight(std::size_t a, std::size_t k, double weight) {
@@ -205,11 +252,97 @@ class WindowSolver {
       skeleton_ = std::move(matrices[1]);
       plain_ = std::move(matrices[2]);
       free_beside_moving_soil();
+      conduct_at_edge();
+    } else if (in_.beds) {
+      conduct_in_beds(mobility);
     } else {
       fluid_ = laplacian<D>(s_, mobility);
+      conduct_at_edge();
       even_out_directions();
       free_along_borders();
     }
+  }
+
+  /// Makes the matrix where soil has beds: between the cells of the particles in the soil, and between these and
+  /// particles without cells. Among the latter the weights are those of pairs.
+  void conduct_in_beds(const ScalarArray& mobility) {
+    if constexpr (D == 2)
+      cells_ = BeddedCells<D>(
+          s_, in_.walls, *in_.beds, [&](std::size_t a) { return soil_.mask[a] > 0.5 && flags_[a] != Surface::lone; },
+          [&](std::size_t a) { return surface_distance(a); });
+    const auto all_have_cells = parallel_all(n_, [&](std::size_t a) { return cells_.has_cell(a); });
+    const PairMatrix pairs = all_have_cells ? PairMatrix() : laplacian<D>(s_, mobility);
+    link_offset_.assign(1, 0);
+    link_.clear();
+    std::vector<float> weights;
+    fluid_ = PairMatrix();
+    fluid_.diagonal.resize(n_);
+    for (std::size_t a = 0; a < n_; ++a) {
+      double sum = 0.0;
+      const auto add = [&](Index q, float weight) {
+        link_.push_back(q);
+        weights.push_back(weight);
+        sum += static_cast<double>(weight);
+      };
+      for (const auto& side : cells_.sides(a))
+        if (side.other < n_) add(side.other, static_cast<float>(side.shared * harmonic(q_[a].kf, q_[side.other].kf)));
+      if (cells_.has_cell(a)) {
+        for_faces(a, q_[a].kf, [&](Index, double w, double, Index) { sum += w; });
+      } else {
+        sum += pairs.diagonal[a];  // with the terms of faces
+        for (std::size_t k = pairs.begin(a); k < pairs.end(a); ++k) {
+          const Index q = pairs.column(a, k);
+          sum -= static_cast<double>(pairs.weight[k]);
+          if (!cells_.has_cell(q)) add(q, pairs.weight[k]);
+        }
+      }
+      while (link_.size() % n_lanes != 0) add(static_cast<Index>(a), 0.0F);
+      link_offset_.push_back(static_cast<Index>(link_.size()));
+      fluid_.diagonal[a] = sum;
+    }
+    fluid_.weight.resize(weights.size());
+    std::copy(weights.begin(), weights.end(), fluid_.weight.begin());
+    fluid_.column = {link_offset_, link_, {}, {}};
+  }
+  /// Pressure [Pa] that the surface has where the cell of particle a ends at it.
+  [[nodiscard]] double pressure_beyond(std::size_t a, const typename BeddedCells<D>::Side& surface) const {
+    return s_.surface_pressure[a] - in_.weight.dot(s_.position[a] + surface.towards - in_.origin);
+  }
+  /// The flux that the pressure drives in soil in beds, and the gradient of the pressure.
+  void flow_in_beds(WindowSolution<D>& out, VecArray<D>& flux) const {
+    if (flux.empty()) {
+      flux.resize(n_);
+      parallel_for(n_, [&](std::size_t a) { flux[a] = q_[a].kf * out.gradient[a]; });
+    }
+    const auto& p = out.pressure;
+    parallel_for(n_, [&](std::size_t a) {
+      if (!cells_.has_cell(a)) {
+        if (soil_.mask[a] > 0.5) flux[a] = *in_.beds * flux[a];
+        return;
+      }
+      Vec<D> sum = Vec<D>::Zero();
+      for (const auto& side : cells_.sides(a)) {
+        double difference = 0.0, mobility = q_[a].kf;
+        const Index q = side.other;
+        if (q == BeddedCells<D>::Side::surface) {
+          difference = p[a] - pressure_beyond(a, side);
+        } else if (q < n_) {
+          difference = p[a] - p[q];
+          mobility = harmonic(mobility, q_[q].kf);
+        } else {
+          // As in pressure_gradient(): a reflection would magnify the error of a particle that lies on the face itself.
+          const auto& b = s_.buffers[q - n_];
+          const double at_face = in_.face_pressure[b.column];
+          const auto slope = face_slope(s_, b.column, p, at_face);
+          difference =
+              slope ? p[a] - at_face + *slope * b.outside : s_.reflection(a, q) * (p[a] - pressure_at_face(a, b));
+        }
+        sum += mobility * side.conductance * difference * side.middle;
+      }
+      const Vec<D> own = cells_.flux(a, sum);
+      flux[a] = -own;
+      out.gradient[a] = cells_.gradient(own, q_[a].kf);
+    });
   }
 
   /// Corrects the conduction between points in soil that lie closer in one direction than in others, as behind a border
@@ -405,19 +538,38 @@ class WindowSolver {
     return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin);
   }
 
+  /// Piezometric pressure [Pa] of the face in front of a buffer, for particle a.
+  [[nodiscard]] double pressure_at_face(std::size_t a, const Buffer<D>& b) const {
+    // Where water leaves soil at rest, a row that has passed the face continues the pressure's slope at the face.
+    const double beyond = std::min(0.0, b.inside(s_.position[a]));
+    const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
+    return in_.face_pressure[b.column] + beyond * slope;
+  }
+
   /// Calls take(column, weight, pressure, buffer) for every term weight (p - pressure) that faces add to row a of a
   /// Laplacian with this mobility. buffer: index of the buffer particle for which the term stands.
   template <class Take>
   void for_faces(std::size_t a, double mobility, const Take& take) const {
+    if (cells_.has_cell(a)) {
+      for (const auto& side : cells_.sides(a)) {
+        const Index q = side.other;
+        if (q < n_ || q == BeddedCells<D>::Side::surface) continue;
+        const auto& b = s_.buffers[q - n_];
+        take(b.column, mobility * side.conductance * s_.reflection(a, q), pressure_at_face(a, b), q);
+      }
+      return;
+    }
+    for_buffers(a, mobility, take);
+  }
+  /// for_faces with the weights of pairs, for particles with cells, too.
+  template <class Take>
+  void for_buffers(std::size_t a, double mobility, const Take& take) const {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
       const Index j = s_.other[k], q = s_.parent[j];
       if (j < n_ || !s_.is_buffer(j)) continue;
       const double w = 2.0 * s_.volume[a] * mobility * s_.gradient_factor[k] * s_.amplified(a, q) * s_.reflection(a, q);
       const auto& b = s_.buffers[q - n_];
-      // Where water leaves soil at rest, a row that has passed the face continues the pressure's slope at the face.
-      const double beyond = std::min(0.0, b.inside(s_.position[a]));
-      const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
-      take(b.column, w, in_.face_pressure[b.column] + beyond * slope, q);
+      take(b.column, w, pressure_at_face(a, b), q);
     }
   }
 
@@ -436,6 +588,10 @@ class WindowSolver {
     out.face_flow.assign(count, 0.0);
     out.face_carry.assign(count, 0.0);
     for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
+      if (cells_.has_cell(a)) {
+        tell_face_flow_of_cell(a, out);
+        continue;
+      }
       if (s_.beyond[a] == 0) continue;
       const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
       // Only columns of the particle's own soil count, since adjacent soils have separate flows.
@@ -470,6 +626,26 @@ class WindowSolver {
     }
   }
 
+  /// Adds the flow through the sides of a cell towards buffers. It is divided among the columns of the same straight
+  /// piece of the face by the weights of pairs. If each column had the flow through the sides towards its own buffers,
+  /// a buffer ahead of others would expose more of its cell, and so get ahead of them further.
+  void tell_face_flow_of_cell(std::size_t a, WindowSolution<D>& out) const {
+    for_faces(a, q_[a].kf, [&](Index column, double w, double pressure, Index q) {
+      const Buffer<D>& through = s_.buffers[q - n_];
+      const auto beside = [&](const Buffer<D>& b) {
+        return in_.face_soil[b.column] == in_.face_soil[column] && b.normal.dot(through.normal) > 1.0 - 1e-9 &&
+               std::abs(through.normal.dot(b.foot - through.foot)) < 1e-6 * s_.length(a);
+      };
+      double all = 0.0;
+      for_buffers(a, 1.0, [&](Index, double part, double, Index i) { all += beside(s_.buffers[i - n_]) ? part : 0.0; });
+      const double flow = w * (pressure - out.pressure[a]);
+      if (all == 0.0) out.face_flow[column] += flow;
+      for_buffers(a, 1.0, [&](Index other, double part, double, Index i) {
+        if (all > 0.0 && beside(s_.buffers[i - n_])) out.face_flow[other] += part / all * flow;
+      });
+    });
+  }
+
   /// Computes the flow through each section. A term of the matrix is a flow from one particle to another along the
   /// straight line between them; flows whose lines cross the section pass it. With them, continuity holds in any part
   /// of the soil (Irving & Kirkwood 1950 define the flow of momentum in this way): as much passes a section as faces on
@@ -494,7 +670,8 @@ class WindowSolver {
     double flow = 0.0;
     for (std::size_t a = 0; a < n_; ++a) {
       const Vec<D>& x = s_.position[a];
-      if (std::abs(left.dot(x - section.from)) > 2.0 * sph::support_radius * s_.length(a) * left.norm()) continue;
+      const double reach = cells_.empty() ? 2.0 * sph::support_radius * s_.length(a) : HUGE_VAL;
+      if (std::abs(left.dot(x - section.from)) > reach * left.norm()) continue;
       const Vec<D> own = carried(a);
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         // An image behind a wall stands for its original, to which the flow goes.
@@ -504,9 +681,13 @@ class WindowSolver {
         const Vec<D> theirs = q >= n_ ? own : j < s_.n_base ? carried(q) : Vec<D>(s_.map[j - s_.n_base] * carried(q));
         flow +=
             sign * s_.volume[a] * s_.gradient_factor[k] * s_.amplified(a, q) * (own + theirs).dot(s_.position[j] - x);
-        if (q < n_) flow += sign * static_cast<double>(fluid_.weight[k]) * (out.pressure[a] - out.pressure[q]);
+        if (q < n_ && cells_.empty())
+          flow += sign * static_cast<double>(fluid_.weight[k]) * (out.pressure[a] - out.pressure[q]);
       }
-      if (s_.beyond[a] == 0) continue;
+      for (std::size_t k = fluid_.begin(a); !cells_.empty() && k < fluid_.end(a); ++k)
+        flow += 0.5 * crossed(x, s_.position[link_[k]]) * static_cast<double>(fluid_.weight[k]) *
+                (out.pressure[a] - out.pressure[link_[k]]);
+      if (s_.beyond[a] == 0 && !cells_.has_cell(a)) continue;
       for_faces(a, q_[a].kf, [&](Index, double w, double pressure, Index q) {
         flow += crossed(x, s_.position[q]) * w * (out.pressure[a] - pressure);
       });
@@ -542,6 +723,9 @@ class WindowSolver {
     if (pinned(a)) {
       const double h = s_.length(a);
       row = {pressure::pinned_weight * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+    } else if (cells_.has_cell(a)) {
+      for (const auto& side : cells_.sides(a))
+        if (side.other == BeddedCells<D>::Side::surface) row = {mobility * side.conductance, pressure_beyond(a, side)};
     } else if (const double distance = surface_distance(a); distance > 0.0) {
       row = surface_row(s_, a, distance, mobility, in_.weight, in_.origin);
       if (s_.ghost_distance[a] == 0.0) row.coefficient *= s_.amplification[a];
@@ -558,6 +742,7 @@ class WindowSolver {
     VecArray<D> f(n_);
     parallel_for(n_, [&](std::size_t a) { f[a] = q_[a].e * s[a]; });
     ScalarArray d = divergence<D>(s_, f);
+    edge_.add_to_divergence(f, d);
     parallel_for(n_, [&](std::size_t a) { d[a] *= s_.volume[a]; });
     return d;
   }
@@ -590,6 +775,10 @@ class WindowSolver {
     }
   }
 
+  void between_iterations() const {
+    if (in_.between_iterations != nullptr) in_.between_iterations();
+  }
+
   /// Solves for water with rigid soil, free water, or water with a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
     if (out.solid_velocity.is_allocated()) {
@@ -620,7 +809,10 @@ class WindowSolver {
     }
     // If all pressures are fixed or equal, nothing drives flow: rounding is then the lower bound of the tolerance.
     const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
-    const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
+    const auto apply = [&](std::span<const double> x, std::span<double> y) {
+      between_iterations();
+      fluid_.apply(x, y);
+    };
     SolveReport report;
     report.converged = false;
     if (!out.multigrid) {
@@ -745,6 +937,7 @@ class WindowSolver {
           H_diagonal_[a] = s_.volume[a] / r_[a].ss;
           H_diagonal_[a] += sum_of_lanes(own.sum) + own.held;
           preconditioner[a] = H_diagonal_[a] - own.turned;
+          if (edge_.presses(a)) preconditioner[a] += inertia_at_edge(a) * edge_.push(a) / D;
         });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
@@ -771,7 +964,8 @@ class WindowSolver {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a))
-          flow_[a] = Eigen::Map<const Vec<D>>(held.data() + a * D) - s_.volume[a] / r_[a].ss * soil_.found_velocity[a];
+          flow_[a] = Eigen::Map<const Vec<D>>(held.data() + a * D) - s_.volume[a] / r_[a].ss * soil_.found_velocity[a] -
+                     pushed_back(a, soil_.found_velocity[a]);
       return;
     }
     for (std::size_t a = 0; a < n_; ++a) flow_[a] = dry_skeleton_stiffness(a) * soil_.velocity[a];
@@ -822,6 +1016,18 @@ class WindowSolver {
     return s_.volume[a] * 2.0 * in_.interval * r_[a].M * amount * per_length;
   }
 
+  /// Factor [m^D] on what presses the skeleton per change of the mixture's flux, in H.
+  [[nodiscard]] double inertia_at_edge(std::size_t a) const {
+    const double e = q_[a].e;
+    return s_.volume[a] * e * e;
+  }
+  /// Force times the window's length with which free water resists a velocity of the skeleton at the soil's edge [N]:
+  /// the part of H that is no stiffness.
+  Vec<D> pushed_back(std::size_t a, const Vec<D>& velocity) const {
+    if (!edge_.presses(a)) return Vec<D>::Zero();
+    return inertia_at_edge(a) * edge_.pushed_by(a, velocity);
+  }
+
   /// (V/ss) H s for particles that respond, s itself for others; a symmetric operator [n * D].
   void apply_H(std::span<const double> s, std::span<double> y) const {
     const VecArray<D> all = skeleton_extended(as_vectors(s));
@@ -835,8 +1041,9 @@ class WindowSolver {
               take(&image_weight_[k], w);
               sum.add(w, {all[c[0]].data(), all[c[1]].data(), all[c[2]].data(), all[c[3]].data()});
             }
+          const Vec<D> pushed = pushed_back(a, all[a]);
           for (std::size_t d = 0; d < D; ++d)
-            y[a * D + d] = H_diagonal_[a] * all[a][static_cast<int>(d)] - sum.total(d);
+            y[a * D + d] = H_diagonal_[a] * all[a][static_cast<int>(d)] - sum.total(d) + pushed[static_cast<int>(d)];
         });
   }
   ScalarArray apply_H(std::span<const Vec<D>> s) const {
@@ -857,7 +1064,10 @@ class WindowSolver {
   /// Corrects s until the residual [n * D] of H s is below the tolerance times `size`, or the power of its error is
   /// negligible. Returns the number of iterations.
   int solve_H(ScalarArray residual, double size, double negligible_power, std::span<Vec<D>> s) const {
-    const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
+    const auto apply = [&](std::span<const double> u, std::span<double> y) {
+      between_iterations();
+      apply_H(u, y);
+    };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a)
         for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
@@ -879,9 +1089,19 @@ class WindowSolver {
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
+  /// The gradient that presses the skeleton.
+  VecArray<D> pressing_gradient(std::span<const double> p, bool homogeneous) const {
+    VecArray<D> gradient = plain_gradient(p, homogeneous);
+    edge_.add_to_gradient(p, gradient);
+    return gradient;
+  }
+
   /// Right-hand side of the equation for H s under a pressure field p: V/ss (sb - mS G p) [n * D].
   ScalarArray skeleton_drive(std::span<const double> p) const {
-    const VecArray<D> G = plain_gradient(p, false);
+    VecArray<D> G = pressing_gradient(p, false);
+    parallel_for(n_, [&](std::size_t a) {
+      if (edge_.presses(a)) G[a] += edge_.pushed_by(a, carried(a) - flux_before(a));
+    });
     ScalarArray drive(n_ * D, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
@@ -927,7 +1147,9 @@ class WindowSolver {
     const double size = domain_.norm(residual);  // norm of what the search directions must sum to
     std::vector<VecArray<D>> answers;            // response of the skeleton to each search direction
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
-      const VecArray<D> G = plain_gradient(x, true);
+      VecArray<D> G = plain_gradient(x, true);
+      const ScalarArray held_back = stabilised(x, G);
+      edge_.add_to_gradient(x, G);
       ScalarArray drive(n_ * D, 0.0);
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
@@ -936,7 +1158,7 @@ class WindowSolver {
       // The skeleton's response is computed even if its power is negligible. Without it, the pressure that closes the
       // volume balance in tight soil would be far too large.
       out.skeleton_iterations += solve_H(std::move(drive), whole, 0.0, answers.back());
-      const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
+      const ScalarArray squeeze_x = squeezed(answers.back());
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
       remove_means(y);
@@ -963,6 +1185,7 @@ class WindowSolver {
     ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
     std::copy(r.begin(), r.end(), b.begin());
     const auto apply = [&](std::span<const double> u, std::span<double> y) {
+      between_iterations();
       fluid_.apply(u.first(n_), y.first(n_));
       skeleton_.apply(u.last(n_), y.last(n_));
       for (std::size_t a = 0; a < n_; ++a) {
@@ -1000,7 +1223,7 @@ class WindowSolver {
   /// C) + n C/(aw + C) s - kf G p, in which kf is the mobility of pairs as in the solve.
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
-    out.gradient = plain_gradient(out.pressure, false);
+    out.gradient = pressing_gradient(out.pressure, false);
     tell_face_flow(out);
     VecArray<D> flux;  // empty if the mobility is uniform
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
@@ -1017,11 +1240,29 @@ class WindowSolver {
         });
       else
         free_along_interfaces<D>(s_, own, soil_.mask, flux);
+      if (!edge_.empty()) flow_past_edge(out, flux);
     }
+    if (!cells_.empty()) flow_in_beds(out, flux);
     parallel_for(n_, [&](std::size_t a) {
       const auto& q = q_[a];
       const Vec<D> driven = flux.empty() ? Vec<D>(mobility * out.gradient[a]) : flux[a];
       out.velocity[a] = (push(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];
+    });
+  }
+
+  /// At the soil's edge: completes the flux that the pressure drives, and the gradient that presses the skeleton.
+  void flow_past_edge(WindowSolution<D>& out, VecArray<D>& flux) const {
+    VecArray<D> change(n_), followed(n_, Vec<D>::Zero());
+    parallel_for(n_, [&](std::size_t a) { change[a] = carried(a) + q_[a].e * out.solid_velocity[a] - flux_before(a); });
+    edge_.add_to_flux(
+        out.pressure, [&](std::size_t a) { return q_[a].kf; }, flux);
+    edge_.follow(change, followed);
+    out.at_edge.assign(n_, 0);
+    parallel_for(n_, [&](std::size_t a) {
+      const Vec<D> pushed = edge_.pushed_by(a, change[a]);
+      out.gradient[a] += pushed;
+      flux[a] += q_[a].kf * pushed - followed[a];
+      out.at_edge[a] = edge_.presses(a) ? 1 : 0;
     });
   }
 
@@ -1032,6 +1273,7 @@ class WindowSolver {
   const WindowProblem<D>& in_;
   std::size_t n_;
   Eliminations<D> q_;
+  SoilEdge<D> edge_;         ///< empty where no soil lies under free water
   std::vector<Response> r_;  ///< empty if no skeleton responds
   std::vector<char> open_;   ///< [n] 1 where a surface or a face is within reach
   /// A body of water whose mean pressure nothing prescribes: its particles on this rank, and their number on all ranks.
@@ -1044,12 +1286,14 @@ class WindowSolver {
   std::vector<char> beside_moving_;  ///< [n] 1: free water beside moving soil, or that soil; empty: nothing moves
   std::vector<bool> cavitating_;     ///< [n] whether the pressure is fixed at the cavitation pressure
   VecArray<D> flow_;                 ///< [n] N, see prepare_flow
+  BeddedCells<D> cells_;             ///< empty where the soil has no beds
+  std::vector<Index> link_offset_{0}, link_;  ///< pairs of the matrix where the soil has beds
   PairMatrix fluid_, skeleton_, plain_;
   MatArray<D> stretch_;  ///< [n] S of even_out_directions
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< pressure at the start; diagonal and right-hand side without
                                                        ///< cavitation
-  double negligible_power_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
+  double negligible_power_ = 0.0;     ///< power below which an error of the skeleton's velocity is negligible [N m/s]
   UnresolvedPressure<D> unresolved_;  ///< empty where no soil moves
   ScalarArray boundary_, stabilisation_, storage_, H_diagonal_;
   ScalarArray H_inverse_;                    ///< [n] inverse diagonal of the preconditioner

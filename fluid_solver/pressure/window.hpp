@@ -2,6 +2,7 @@
 // neither the drag nor the skeleton's inertia and stiffness limits the window's length.
 #pragma once
 
+#include "fluid_solver/discretisation/bedded_cells.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
 #include "fluid_solver/exchange/soil_view.hpp"
 
@@ -21,11 +22,15 @@ struct WindowProblem {
   Vec<D> weight = Vec<D>::Zero();         ///< rho g, N/m3
   Vec<D> origin = Vec<D>::Zero();         ///< piezometric pressure ph = p - rho g.(x - origin)
   bool inertia = true;                    ///< the water has inertia; without inertia drag must act everywhere
+  std::optional<Mat<D>> beds;             ///< conductivity of the soil over that along its beds; empty: no beds
+  typename BeddedCells<D>::Walls walls;   ///< for soil with beds
   bool response = true;                   ///< the skeleton responds inside the solve
   std::span<const double> void_fraction;  ///< [n]
   std::span<const double> pressure;       ///< [n] Pa, piezometric, at the window's start; empty: the initial guess
   std::span<const Vec<D>> velocity;       ///< [n] m/s, of the water, with viscosity applied; empty: at rest
   OrZero<double> source;                  ///< [n] 1/s, rate of expansion of the volume
+  VecArray<D> deferred_flux;            ///< [n] m/s, flux by which the skeleton moved more in earlier windows than was
+                                        ///< predicted; empty: none
   std::span<const int> closed_body;     ///< [n] number from 1 of a particle's body of water if only walls surround it,
                                         ///< else 0; empty: all particles form one such body
   double cavitation = -1e300;           ///< Pa, total pressure at which water cavitates
@@ -41,6 +46,7 @@ struct WindowProblem {
   int sweeps = 0;                       ///< explicit sweeps in place of the solve; 0: solve
   double interval_over_proposed = 1.0;  ///< length of the window over the length that the fluid proposed: in shorter
                                         ///< windows sweeps do not become stiffer
+  void (*between_iterations)() = nullptr;  ///< called while the solve goes on; may throw
 };
 
 /// Result of one window; [n], [columns]: as in WindowProblem.
@@ -51,6 +57,7 @@ struct WindowSolution {
   VecArray<D> velocity;           ///< [n] m/s, v_w'
   VecArray<D> gradient;           ///< [n] Pa/m, of the piezometric pressure
   OrZero<double> void_volume;     ///< [n] m^D, volume of voids in the water
+  std::vector<char> at_edge;      ///< [n] 1: soil that the pressure at its edge under free water presses; empty: none
   ScalarArray face_flow;          ///< [columns] m^D/s, flow that the face's pressure drives in; NaN beside a surface
   ScalarArray face_carry;         ///< [columns] m/s, inward discharge per area by inertia, without the face's pressure
   ScalarArray section_flow;       ///< [sections] m^D/s, flow through each section, positive from its right to its left

@@ -4,7 +4,9 @@
 #include "common/case/case.hpp"
 #include "pore_solver/flow.hpp"
 
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,6 +34,26 @@ struct StepTimes {
   double now = 0.0;  ///< the instant at which flows are computed
 };
 
+/// Range of a level that follows from a balance [m], and the level at time zero.
+struct LevelRange {
+  double least = 0.0, most = HUGE_VAL, first = 0.0;
+};
+
+/// A stage of a step, to a basin.
+struct BasinStage {
+  double at_start = 0.0;  ///< m3 (2D: m2), volume of its water at the step's start
+  double base = 0.0;      ///< m3 (2D: m2), volume at the stage's end without what comes and goes in the stage
+  double interval = 1.0;  ///< s, length of the stage
+  double share = 1.0;     ///< place of the stage's end in the step
+};
+
+/// Rates of a basin's water [m3/s, 2D: m2/s].
+struct BasinRates {
+  double in = 0.0, out = 0.0;  ///< poured in and rained; drawn off and evaporated
+  double spilled = 0.0;
+  double gain = 0.0;  ///< of the stored volume, including what comes out of the soil
+};
+
 class PoreBoundary {
  public:
   PoreBoundary() = default;
@@ -48,9 +70,30 @@ class PoreBoundary {
   virtual void accept(const Segment& segment, double flow, SegmentState& state, Account& account) const = 0;
   /// Elevation [m] of the water behind the boundary at the end of the step; empty for boundaries without such water.
   [[nodiscard]] virtual std::optional<double> level() const { return std::nullopt; }
-  /// The inflow [m3/s, 2D: m2/s] into the soil that a well prescribes. The well's level follows from it (set_level).
-  [[nodiscard]] virtual std::optional<double> prescribed_inflow() const { return std::nullopt; }
-  virtual void set_level(double /*elevation [m]*/) {}
+
+  // Boundaries whose level follows from a balance: wells that pump a discharge, and basins. The balance closes at the
+  // level at which wants() and the sum of inflow_at() over the segments is zero; both grow with the level.
+  [[nodiscard]] virtual bool finds_level() const { return false; }
+  /// low, high: elevations [m] of the lowest and highest point of its segments.
+  [[nodiscard]] virtual LevelRange levels(double /*low*/, double /*high*/) const { return {}; }
+  /// Sets the level [m] for inflow().
+  virtual void set_level(double /*elevation*/) {}
+  /// Inflow for another level [m].
+  [[nodiscard]] virtual Inflow inflow_at(const FlowModel& flow, const Segment& segment, double level) const {
+    return flow.below_level(segment, level);
+  }
+  /// Rate [m3/s, 2D: m2/s] at which a level needs water apart from the inflow into the soil: what it stores, less what
+  /// is supplied. For a well: minus the inflow that it prescribes.
+  [[nodiscard]] virtual double wants(double /*level [m]*/) const { return 0.0; }
+
+  // Basins alone.
+  [[nodiscard]] virtual double first_volume() const { return 0.0; }  ///< m3 (2D: m2), at time zero
+  virtual void begin_stage(const BasinStage& /*stage*/) {}
+  /// The rates at the present level. into_soil: sum of the inflow; at_end: whether the level is at an end of its range.
+  [[nodiscard]] virtual BasinRates rates(double /*into_soil*/, bool /*at_end*/) const { return {}; }
+  /// Depth of its water [m], and its area [m2, 2D: m]; without area there is no basin.
+  [[nodiscard]] virtual double depth() const { return 0.0; }
+  [[nodiscard]] virtual double area() const { return 0.0; }
   /// The next time [s] after `time` [s] at which a prescribed value changes its slope; infinite if none follows.
   [[nodiscard]] virtual double next_corner(double time) const = 0;
 };

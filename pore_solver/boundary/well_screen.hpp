@@ -19,7 +19,9 @@ class WellScreen final : public WaterBehind {
     return flow.below_level(segment, level_);
   }
   [[nodiscard]] std::optional<double> level() const override { return level_; }
-  [[nodiscard]] std::optional<double> prescribed_inflow() const override { return inflow_; }
+  [[nodiscard]] bool finds_level() const override { return true; }
+  [[nodiscard]] LevelRange levels(double low, double high) const override { return {low, HUGE_VAL, high}; }
+  [[nodiscard]] double wants(double) const override { return -inflow_; }
   void set_level(double elevation) override { level_ = elevation; }
   [[nodiscard]] double next_corner(double time) const override { return next_knot(discharge_, time); }
 

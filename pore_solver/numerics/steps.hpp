@@ -15,6 +15,10 @@ inline constexpr double largest_error = 2.5;
 /// Safety factor on the length of the step that the error would allow. It keeps the number of repeated steps small.
 /// Unit: steps. Test: none known.
 inline constexpr double caution = 0.9;
+/// Share of air in a cell below which the fall of water into it from above dies out, linearly. A cell through which
+/// water falls steadily holds about as much air, and so much less water passes.
+/// Unit: 1, volume of air over that of the cell's pores. Test: PoreColumn.WaterSeepsIntoDrySoilByItsWeight (untried).
+inline constexpr double last_air = 0.01;
 /// Least ratio of a step's length to that of the last step.
 /// Unit: steps. Test: none known.
 inline constexpr double shrink = 0.4;

@@ -33,6 +33,13 @@ Point3 into_the_soil(const Case& scene, const Network& network, const Piece& lin
   return inwards.isZero(0.0) ? inwards : inwards.normalized();
 }
 
+/// The way of a link from a to b; across a periodic side beside either point.
+std::vector<std::pair<Point3, Point3>> ways_of(const Network& network, const Link& link) {
+  const Point3 a = network.position[link.a], b = network.position[link.b];
+  if (link.shift.isZero(0.0)) return {{a, b}};
+  return {{a, b + link.shift}, {a - link.shift, b}};
+}
+
 }  // namespace
 
 Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), network_(network) {
@@ -54,15 +61,17 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
       const FlatSection section(gauge.points);
       for (std::size_t i = 0; i < network.links.size(); ++i) {
         const Link& link = network.links[i];
-        if (const double sign = section.crossed(network.position[link.a], network.position[link.b]); sign != 0.0)
-          p.crossings.push_back({i, sign});
+        for (const auto& [from, to] : ways_of(network, link))
+          if (const double sign = section.crossed(from, to); sign != 0.0) p.crossings.push_back({i, sign});
       }
     } else if (gauge.kind == "discharge" && !gauge.points.empty()) {
       const Piece line{gauge.points[0], gauge.points[1]};
       for (std::size_t i = 0; i < network.links.size(); ++i) {
-        const Point3 from = network.position[network.links[i].a], way = network.position[network.links[i].b] - from;
-        const auto met = distance_to(line, from, way.normalized());
-        if (met && *met < way.norm()) p.crossings.push_back({i, way.dot(line.left()) > 0.0 ? 1.0 : -1.0});
+        for (const auto& [from, to] : ways_of(network, network.links[i])) {
+          const Point3 way = to - from;
+          const auto met = distance_to(line, from, way.normalized());
+          if (met && *met < way.norm()) p.crossings.push_back({i, way.dot(line.left()) > 0.0 ? 1.0 : -1.0});
+        }
       }
     }
     if (gauge.kind == "exit_height") {
@@ -101,6 +110,7 @@ class Gauges::Reader {
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), volume_unit());
     if (gauge.kind == "balance") return balance(gauge);
     if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
+    if (gauge.kind == "basin") return basin(gauge);
     if (gauge.kind == "particles") return add(gauge.name, static_cast<double>(network_.size()), "1");
     const auto through_faces = [](const Account& a) { return a.in - a.out; };
     if (gauge.kind == "passed_volume") {
@@ -318,13 +328,38 @@ class Gauges::Reader {
 
   [[nodiscard]] double level(const Gauge& gauge) const {
     for (const auto& face : scene_.water_faces)
-      if (face.name == gauge.quantity && face.head) return face.head->at(state_.time);
-    std::size_t pump = 0;
-    for (const auto& well : scene_.wells) {
-      if (well.name == gauge.quantity) return well.head ? well.head->at(state_.time) : state_.level[pump];
-      if (well.discharge) ++pump;
+      if (face.name == gauge.quantity && face.head && !face.basin_area) return face.head->at(state_.time);
+    for (const auto& well : scene_.wells)
+      if (well.name == gauge.quantity && well.head) return well.head->at(state_.time);
+    const auto k = own_level(gauge);
+    return k ? state_.level[*k] : nan;
+  }
+  /// Index in State::level of the basin or well that the gauge names; empty if there is none.
+  [[nodiscard]] std::optional<std::size_t> own_level(const Gauge& gauge) const {
+    const auto& all = stepper_.boundaries();
+    for (std::size_t b = 0; b < all.size(); ++b) {
+      const std::size_t face = all[b].face, well = all[b].well;
+      if ((face != Segment::none && scene_.water_faces[face].name == gauge.quantity) ||
+          (well != Segment::none && scene_.wells[well].name == gauge.quantity))
+        return stepper_.level_of(b);
     }
-    return nan;
+    return std::nullopt;
+  }
+
+  /// Volumes of a basin's water.
+  void basin(const Gauge& gauge) {
+    const auto k = own_level(gauge);
+    if (!k) return;
+    const BasinWater& water = state_.basin[*k];
+    const double seeped = sum(gauge, scene_.water_faces, &Stepper::Along::face,
+                              [](const Account& account) { return account.in - account.out; });
+    const double gained = water.in - water.out - water.spilled - seeped;
+    add(gauge.name + "_stored", water.stored, volume_unit());
+    add(gauge.name + "_in", water.in, volume_unit());
+    add(gauge.name + "_out", water.out, volume_unit());
+    add(gauge.name + "_spilled", water.spilled, volume_unit());
+    add(gauge.name + "_seeped", seeped, volume_unit());
+    add(gauge.name + "_error", gained - (water.stored - water.first), volume_unit());
   }
 
   /// Sum of one entry of the accounts, over the boundaries with the item that the gauge names, or over all boundaries.

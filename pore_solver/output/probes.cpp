@@ -24,7 +24,7 @@ std::optional<std::array<double, 3>> weights(const Point3& a, const Point3& b, c
 Probes::Probes(const Case& scene, const Network& network)
     : scene_(scene), network_(network), neighbours_(network.size()) {
   for (const auto& link : network.links) {
-    if (network.soil[link.a] != network.soil[link.b]) continue;
+    if (network.soil[link.a] != network.soil[link.b] || !link.shift.isZero(0.0)) continue;
     neighbours_[link.a].push_back(link.b);
     neighbours_[link.b].push_back(link.a);
   }

@@ -3,13 +3,18 @@
 #include "common/core/error.hpp"
 #include "common/geometry/thin_walls.hpp"
 #include "solid_solver/discretisation/ranks.hpp"
+#include "solid_solver/discretisation/turning.hpp"
 #include "solid_solver/dynamics/wall_friction.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <set>
 
 namespace poretwin::solid {
 
@@ -51,6 +56,35 @@ void close_corners(const std::vector<sph::ImagePlane<D>>& others, double margin,
   extend(v, plate.second_from, plate.second_to);
 }
 
+/// Ends planes where a plate begins or ends on the same line or plane and looks to the same side, so that each particle
+/// has one image there. Walls have been extended beyond their ends. A particle on the common end itself belongs to the
+/// plane before it.
+template <int D>
+void meet_plates(double margin, Boundaries<D>& boundaries) {
+  const std::vector<sph::ImagePlane<D>> drawn = boundaries.planes;
+  const double close = 1e-3 * margin, after = 1e-6 * margin;
+  /// Ends [from, to] of a plane at an end of the plate's [begin, end].
+  const auto meet = [&](double begin, double end, double& from, double& to) {
+    const bool first = from + to < begin + end;
+    if (first && from < begin - close && to > begin - close) to = begin + after;
+    if (!first && to > end + close && from < end + close) from = end + after;
+  };
+  for (std::size_t k = 0; k < drawn.size(); ++k)
+    for (std::size_t j = 0; j < drawn.size(); ++j) {
+      const auto &plate = drawn[k], &other = drawn[j];
+      const bool same_plane =
+          plate.normal.dot(other.normal) > 1.0 - 1e-6 && std::abs(plate.normal.dot(other.point - plate.point)) < close;
+      if (j == k || boundaries.plate[k] < 0 || !same_plane || !(plate.to > plate.from) || !(other.to > other.from))
+        continue;
+      auto& plane = boundaries.planes[j];
+      const bool beside =
+          D == 2 || (other.second_from < plate.second_to - close && other.second_to > plate.second_from + close);
+      if (beside) meet(plate.from, plate.to, plane.from, plane.to);
+      if (D == 3 && other.from < plate.to - close && other.to > plate.from + close)
+        meet(plate.second_from, plate.second_to, plane.second_from, plane.second_to);
+    }
+}
+
 /// Adds the plates after the walls. A plate that ends on a wall or on another plate is extended beyond it by `margin`
 /// [m], so that the corner is closed. Other ends are free.
 template <int D>
@@ -86,9 +120,12 @@ void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
                                                                                   : BoundaryKind::roller);
       boundaries.friction.push_back(0.0);
       boundaries.plate.push_back(static_cast<int>(k));
+      boundaries.tilts.push_back(scene.plates[k].tilts ? 1 : 0);
+      if (scene.plates[k].tilts) plane.point = plane.at(0.5 * (plane.from + plane.to));
       plane.boundary = static_cast<int>(boundaries.kinds.size()) - 1;
       boundaries.planes.push_back(plane);
     }
+  meet_plates(margin, boundaries);
 }
 
 }  // namespace
@@ -100,6 +137,17 @@ Boundaries<D> with_plates_at(const std::vector<PlateMotion<D>>& plates, Boundari
     const PlateMotion<D>& motion = plates[static_cast<std::size_t>(boundaries.plate[k])];
     auto& plane = boundaries.planes[k];
     plane.point += motion.displacement;
+    if (boundaries.tilts[k]) {
+      const Mat<D> turned = rotation<D>(motion.angle);
+      const double half = 0.5 * (plane.to - plane.from);
+      plane.normal = turned * plane.normal;
+      plane.tangent = turned * plane.tangent;
+      plane.from = plane.tangent.dot(plane.point) - half;
+      plane.to = plane.from + 2.0 * half;
+      plane.speed = plane.normal.dot(motion.velocity);
+      plane.spin = motion.spin;
+      continue;
+    }
     const double along = plane.tangent.dot(motion.displacement);
     plane.from += along;
     plane.to += along;
@@ -117,6 +165,7 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
     boundaries.kinds.push_back(kind);
     boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
     boundaries.plate.push_back(-1);
+    boundaries.tilts.push_back(0);
     return static_cast<int>(boundaries.kinds.size()) - 1;
   };
   const auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind, double friction_angle) {
@@ -172,8 +221,8 @@ void find_passed(const Boundaries<D>& boundaries, std::uint32_t numbers, std::ve
   passed.clear();
   for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
     if ((numbers >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic)
-      passed.push_back({boundaries.kinds[k], boundaries.friction[k], boundaries.plate[k], boundaries.planes[k].normal,
-                        boundaries.planes[k].point});
+      passed.push_back({boundaries.kinds[k], boundaries.friction[k], boundaries.plate[k], boundaries.tilts[k] != 0,
+                        boundaries.planes[k].normal, boundaries.planes[k].point});
 }
 
 /// The planes at which an image is reflected, in this order, for images made in all orders. n: number of particles; k:
@@ -184,8 +233,8 @@ void find_passed(const Boundaries<D>& boundaries, const sph::Images<D>& images, 
   passed.clear();
   for (std::size_t j = n + k; j >= n; j = images.of[j - n]) {
     const std::size_t b = images.by[j - n];
-    passed.push_back({boundaries.kinds[b], boundaries.friction[b], boundaries.plate[b], boundaries.planes[b].normal,
-                      boundaries.planes[b].point});
+    passed.push_back({boundaries.kinds[b], boundaries.friction[b], boundaries.plate[b], boundaries.tilts[b] != 0,
+                      boundaries.planes[b].normal, boundaries.planes[b].point});
   }
   std::ranges::reverse(passed);
 }
@@ -211,10 +260,17 @@ void find_passed(const Boundaries<D>& boundaries, const Surfaces::WallPoints& mi
   passed.clear();
   for (const auto& wall : mirrors.all()) {
     const auto k = static_cast<std::size_t>(wall.boundary);
-    passed.push_back({boundaries.kinds[k], boundaries.friction[k], -1, wall.normal.template head<D>(),
+    passed.push_back({boundaries.kinds[k], boundaries.friction[k], -1, false, wall.normal.template head<D>(),
                       wall.at.template head<D>(), wall.bend.template topLeftCorner<D, D>(),
                       wall.stretch().template topLeftCorner<D, D>()});
   }
+}
+
+/// The map of velocities at a wall: mirrored at rollers, reversed at other walls.
+template <int D>
+Mat<D> reversed_at(const Passed<D>& wall) {
+  return wall.kind == BoundaryKind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * wall.normal * wall.normal.transpose())
+                                           : Mat<D>(-Mat<D>::Identity());
 }
 
 /// Composes the linear maps of velocities through a chain of walls: mirrored at rollers, reversed at fixed walls, and
@@ -225,8 +281,7 @@ void find_velocity_maps(std::span<const Passed<D>> passed, ImageRule<D>& rule) {
   for (const auto& wall : passed) {
     const Vec<D>& n = wall.normal;
     const bool curved = !wall.bend.isZero(0.0);
-    Mat<D> reversed =
-        wall.kind == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose()) : Mat<D>(-Mat<D>::Identity());
+    Mat<D> reversed = reversed_at(wall);
     if (curved) {
       if (wall.kind == Kind::roller) reversed = (wall.stretch - 2.0 * n * n.transpose()).eval();
       rule.swelling *= wall.stretch.determinant();
@@ -270,34 +325,39 @@ Vec<D> bent_stress(const Crossing<D>& wall, const Mat<D>& s) {
   return (across * bend - wall.bend.cwiseProduct(s).sum()) * wall.normal + bend * along + wall.bend * along;
 }
 
+/// Makes an image of x by reflecting it at these walls, in their order, and sets how it follows its parent.
+template <int D>
+void reflect_at(std::span<const Passed<D>> walls, const Vec<D>& x, ImageRule<D>& rule) {
+  Vec<D> image = x;
+  const Index parent = rule.parent;
+  rule = {};
+  rule.parent = parent;
+  for (const Passed<D>& wall : walls) {
+    image -= 2.0 * wall.normal.dot(image - wall.point) * wall.normal;
+    rule.map -= 2.0 * wall.normal * (wall.normal.transpose() * rule.map).eval();
+  }
+  rule.shift = image - rule.map * x;
+  find_velocity_maps<D>(walls, rule);
+  find_crossings<D>(walls, rule);
+}
+
 /// Turns the reflections of an image behind curved walls, for the motion of its parent to x [m] since the lists were
 /// built. The normal at x is the gradient of the distance d from the wall, whose second derivative is S (1 + d S)^-1.
 template <int D>
 void turn_with_parent(const Vec<D>& x, const BehindCurved<D>& behind, ImageRule<D>& rule) {
   std::array<Passed<D>, D> walls = behind.walls;
-  Vec<D> image = x;
-  const Index parent = rule.parent;
-  const double swelling = rule.swelling;
-  rule = {};
-  rule.parent = parent;
   for (std::size_t k = 0; k < behind.size; ++k) {
     Passed<D>& wall = walls[k];
-    if (!wall.bend.isZero(0.0)) {
-      const Vec<D> moved = x - wall.from;
-      const double at_first = wall.normal.dot(wall.from - wall.point);
-      const Vec<D> turned = 0.5 * (wall.bend + wall.stretch * wall.bend) * moved;
-      const double distance = at_first + wall.normal.dot(moved) + 0.5 * moved.dot(turned);
-      wall.normal = (wall.normal + turned).normalized();
-      wall.point = x - distance * wall.normal;
-    }
-    const Vec<D>& n = wall.normal;
-    image -= 2.0 * n.dot(image - wall.point) * n;
-    rule.map -= 2.0 * n * (n.transpose() * rule.map).eval();
+    if (wall.bend.isZero(0.0)) continue;
+    const Vec<D> moved = x - wall.from;
+    const double at_first = wall.normal.dot(wall.from - wall.point);
+    const Vec<D> turned = 0.5 * (wall.bend + wall.stretch * wall.bend) * moved;
+    const double distance = at_first + wall.normal.dot(moved) + 0.5 * moved.dot(turned);
+    wall.normal = (wall.normal + turned).normalized();
+    wall.point = x - distance * wall.normal;
   }
-  rule.shift = image - rule.map * x;
-  const auto passed = std::span<const Passed<D>>(walls).first(behind.size);
-  find_velocity_maps<D>(passed, rule);
-  find_crossings<D>(passed, rule);
+  const double swelling = rule.swelling;
+  reflect_at<D>(std::span<const Passed<D>>(walls).first(behind.size), x, rule);
   rule.swelling = swelling;
 }
 
@@ -309,7 +369,7 @@ void find_plates(std::span<const Passed<D>> passed, const std::vector<PlateMotio
   for (std::size_t w = 0; w < passed.size(); ++w) {
     const Mat<D> normal_part = passed[w].normal * passed[w].normal.transpose();
     const Mat<D> mirror = Mat<D>::Identity() - 2.0 * normal_part;
-    const Mat<D> reversed = passed[w].kind == BoundaryKind::roller ? mirror : Mat<D>(-Mat<D>::Identity());
+    const Mat<D> reversed = reversed_at(passed[w]);
     for (std::size_t k = begin; k < behind.size(); ++k) {
       behind[k].velocity = (reversed * behind[k].velocity).eval();
       behind[k].place = (mirror * behind[k].place).eval();
@@ -325,6 +385,8 @@ void find_plates(std::span<const Passed<D>> passed, const std::vector<PlateMotio
     now.level = passed[w].normal.dot(passed[w].point - plates[now.plate].displacement);
   }
   rule.moves = behind.size() > begin;
+  const bool turns = std::ranges::any_of(passed, [](const Passed<D>& wall) { return wall.tilts; });
+  for (std::size_t k = begin; k < behind.size(); ++k) behind[k].turns = turns;
   Vec<D> shift = rule.shift;
   for (std::size_t k = begin; k < behind.size(); ++k) shift -= behind[k].place * plates[behind[k].plate].displacement;
   for (std::size_t k = begin; k < behind.size(); ++k) behind[k].shift = shift;
@@ -336,6 +398,7 @@ void follow_plates(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& 
   for (const BehindPlate<D>& behind : near.behind_plates) {
     ImageRule<D>& rule = near.images[behind.image];
     const PlateMotion<D>& plate = plates[behind.plate];
+    if (behind.turns) continue;  // turn_images() moves it
     if (behind.first) rule.shift = behind.shift;
     rule.shift += behind.place * plate.displacement;
     if (behind.crossing >= rule.n_crossings) continue;
@@ -351,33 +414,197 @@ void carry_images(const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& n
     Vec<D>& carried = near.images[behind.image].carried;
     if (behind.first) carried.setZero();
     carried += behind.velocity * plates[behind.plate].velocity;
+    if (behind.turns) carried += plates[behind.plate].spin * behind.spin;
   }
 }
 
-/// Lists the pairs of particles with images behind each plate.
+/// The walls behind which an image lies, with the plates among them at their present places.
 template <int D>
-void list_plate_pairs(std::size_t n_plates, Neighbourhood<D>& near) {
+std::vector<Passed<D>> walls_now(const BehindTilting<D>& behind, const std::vector<PlateMotion<D>>& plates,
+                                 const std::vector<PlateMotion<D>>& plates_at) {
+  std::vector<Passed<D>> walls = behind.walls;
+  for (Passed<D>& wall : walls) {
+    if (wall.plate < 0) continue;
+    const auto k = static_cast<std::size_t>(wall.plate);
+    wall.normal = rotation<D>(plates[k].angle - plates_at[k].angle) * wall.normal;
+    wall.point += plates[k].displacement - plates_at[k].displacement;
+  }
+  return walls;
+}
+
+/// Turns the reflections of images behind plates that tilt with the plates. In the frame that moves with a plate, the
+/// plate is a wall at rest: with its rigid motion W(x) = V + spin x (x - middle), the image at x' of a particle at x
+/// has the velocity W(x') + T (v - W(x)).
+template <int D>
+void turn_images(const VecArray<D>& position, const std::vector<PlateMotion<D>>& plates, Neighbourhood<D>& near) {
+  for (const BehindTilting<D>& behind : near.behind_tilting) {
+    ImageRule<D>& rule = near.images[behind.image];
+    const std::vector<Passed<D>> walls = walls_now(behind, plates, near.plates_at);
+    Vec<D> image = position[rule.parent];
+    reflect_at<D>(walls, image, rule);
+    rule.moves = true;
+    std::size_t last = behind.first;
+    for (const Passed<D>& wall : walls) {
+      const Mat<D> reversed = reversed_at(wall);
+      const Vec<D> before = image;
+      image -= 2.0 * wall.normal.dot(image - wall.point) * wall.normal;
+      for (std::size_t k = behind.first; k < last; ++k) {
+        near.behind_plates[k].velocity = (reversed * near.behind_plates[k].velocity).eval();
+        near.behind_plates[k].spin = (reversed * near.behind_plates[k].spin).eval();
+      }
+      if (wall.plate < 0) continue;
+      BehindPlate<D>& now = near.behind_plates[last++];
+      now.velocity = Mat<D>::Identity() - reversed;
+      if (wall.tilts)
+        now.spin = spinning<D>() * (image - wall.point) - reversed * (spinning<D>() * (before - wall.point));
+    }
+  }
+}
+
+/// Completes the nodes of images behind plates that tilt: the gradients of velocity and displacement, and the
+/// displacement, by the rule of turn_images(). The displacement of a plate at x is D(x) = U + (1 - R^T) (x - middle)
+/// with its rotation R, and T is that of the plate before it turned.
+template <int D>
+void turn_gradients(const Particles<D>& p, Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+  const std::size_t n = p.with_copies();
+  const Mat<D> one = Mat<D>::Identity();
+  for (const BehindTilting<D>& behind : near.behind_tilting) {
+    ImageRule<D>& rule = near.images[behind.image];
+    Mat<D> gradient = nodes[rule.parent].gradient, deformation = nodes[rule.parent].deformation;
+    Vec<D> image = p.position[rule.parent], displacement = p.displacement[rule.parent];
+    for (const Passed<D>& wall : walls_now(behind, p.plates, near.plates_at)) {
+      const Mat<D> mirror = one - 2.0 * wall.normal * wall.normal.transpose(), reversed = reversed_at(wall);
+      Mat<D> spin = Mat<D>::Zero(), back = one;  // back: R^T
+      Vec<D> moved = Vec<D>::Zero();
+      if (wall.plate >= 0) {
+        const PlateMotion<D>& plate = p.plates[static_cast<std::size_t>(wall.plate)];
+        spin = plate.spin * spinning<D>();
+        back = rotation<D>(-plate.angle);
+        moved = plate.displacement;
+      }
+      const Mat<D> first = back * reversed * back.transpose(), turned = one - back;
+      const Vec<D> before = image;
+      image -= 2.0 * wall.normal.dot(image - wall.point) * wall.normal;
+      gradient = (spin + reversed * (gradient - spin) * mirror).eval();
+      deformation = (turned + first * (deformation - turned) * mirror).eval();
+      displacement =
+          (moved + turned * (image - wall.point) + first * (displacement - moved - turned * (before - wall.point)))
+              .eval();
+    }
+    nodes[n + behind.image].gradient = gradient;
+    nodes[n + behind.image].deformation = deformation;
+    rule.displacement = displacement;
+  }
+}
+
+/// Takes the pairs of particles with images behind the parts of plates that have come off out of the lists: each such
+/// entry is replaced by the particle itself, which contributes nothing. A pair belongs to the part at its middle, so
+/// that it is left out for both of its particles.
+template <int D>
+void leave_apart(const std::vector<PlateMotion<D>>& plates, const Boundaries<D>& boundaries, std::size_t n_real,
+                 std::span<const Vec<D>> position, const Neighbourhood<D>& near, Pairs& pairs) {
+  std::vector<const sph::ImagePlane<D>*> lifted(near.images.size(), nullptr);
+  for (const auto& plane : boundaries.planes) {
+    const int plate = boundaries.plate[static_cast<std::size_t>(plane.boundary)];
+    if (plate < 0) continue;
+    const auto& apart = plates[static_cast<std::size_t>(plate)].apart;
+    if (std::ranges::find(apart, char{1}) == apart.end()) continue;
+    for (const BehindPlate<D>& behind : near.behind_plates)
+      if (static_cast<int>(behind.plate) == plate) lifted[behind.image] = &plane;
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m) {
+      const std::size_t j = pairs.index[m];
+      if (j < n_real || !lifted[j - n_real]) continue;
+      const auto& plane = *lifted[j - n_real];
+      const auto plate = static_cast<std::size_t>(boundaries.plate[static_cast<std::size_t>(plane.boundary)]);
+      const double along = plane.tangent.dot(0.5 * (position[i] + position[j])) - plane.from;
+      if (plates[plate].apart[part_at(plates[plate].apart.size(), plane.to - plane.from, along)])
+        pairs.index[m] = static_cast<Index>(i);
+    }
+}
+
+/// The number of the lowest bit that is set.
+std::size_t lowest(std::uint32_t bits) { return static_cast<std::size_t>(std::countr_zero(bits)); }
+
+/// Says which plates bear the forces along a plate that its images exert (docs/theory/plates.md). A smooth plate bears
+/// those on particles before it, which cancel, and those on particles beside a free end. Where another wall or plate
+/// continues it, its images also act on the particles before that one: these forces cancel with those of the other's
+/// images, not among its own.
+template <int D>
+class AlongPlates {
+ public:
+  AlongPlates(const Boundaries<D>& boundaries, const sph::Images<D>& images, std::size_t n)
+      : boundaries_(boundaries), images_(images), continued_(boundaries.kinds.size(), 0u), before_(n, 0u) {
+    for (const auto& a : boundaries.planes)
+      for (const auto& b : boundaries.planes) {
+        const auto k = static_cast<std::size_t>(a.boundary), other = static_cast<std::size_t>(b.boundary);
+        if (boundaries.kinds[other] == BoundaryKind::periodic) continue;
+        walls_ |= 1u << other;
+        const bool smooth = boundaries.plate[k] >= 0 && boundaries.kinds[k] == BoundaryKind::roller;
+        if (k != other && smooth && !boundaries.tilts[k] && a.normal.dot(b.normal) > 0.99) continued_[k] |= 1u << other;
+      }
+    for (std::size_t k = 0; k < images.size(); ++k)
+      if (images.parent[k] < n && std::popcount(passed(k)) == 1) before_[images.parent[k]] |= passed(k);
+  }
+
+  /// The plates that bear the forces along `plate` of image k on particle i.
+  [[nodiscard]] std::array<int, 2> of(int plate, std::size_t i, std::size_t k) const {
+    if (std::popcount(passed(k)) > 1) return {-1, -1};  // in a corner: the other wall
+    const std::size_t own = lowest(passed(k));
+    const std::uint32_t beside = before_[i] & continued_[own];
+    if (beside == 0u || (before_[i] & passed(k)) != 0u) return {plate, plate};
+    const std::size_t other = lowest(beside);
+    const int next = boundaries_.plate[other];
+    return {boundaries_.kinds[other] == BoundaryKind::roller && next >= 0 ? plate : next, next};
+  }
+
+ private:
+  /// The walls behind which image k lies, as bits.
+  [[nodiscard]] std::uint32_t passed(std::size_t k) const { return images_.boundaries[k] & walls_; }
+
+  const Boundaries<D>& boundaries_;
+  const sph::Images<D>& images_;
+  std::uint32_t walls_ = 0u;              ///< all but periodic sides, as bits
+  std::vector<std::uint32_t> continued_;  ///< by boundary: the boundaries that can continue it
+  std::vector<std::uint32_t> before_;     ///< by particle: the boundaries before which it lies
+};
+
+/// Lists the pairs of particles with images behind each plate, by the plates that bear their forces.
+template <int D>
+void list_plate_pairs(const Boundaries<D>& boundaries, const sph::Images<D>& images, std::size_t n_plates,
+                      Neighbourhood<D>& near) {
   near.plate_pairs.clear();
+  if (n_plates == 0) return;
   const std::size_t n = near.pairs.size();
-  for (std::size_t plate = 0; plate < n_plates; ++plate)
-    for (const bool corner : {false, true}) {
-      std::vector<char> behind(near.images.size(), 0);
-      for (const BehindPlate<D>& b : near.behind_plates)
-        if (b.plate == plate && (near.images[b.image].n_crossings > 1) == corner) behind[b.image] = 1;
-      if (std::ranges::find(behind, char{1}) == behind.end()) continue;
+  const AlongPlates<D> along(boundaries, images, n);
+  for (std::size_t plate = 0; plate < n_plates; ++plate) {
+    std::vector<char> behind(near.images.size(), 0);
+    for (const BehindPlate<D>& b : near.behind_plates)
+      if (b.plate == plate) behind[b.image] = 1;
+    const auto bearers = [&](std::size_t i, Index j) -> std::optional<std::array<int, 2>> {
+      if (j < n || !behind[j - n]) return {};
+      return along.of(static_cast<int>(plate), i, j - n);
+    };
+    std::set<std::array<int, 2>> all;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t m = near.pairs.alone[i]; m < near.pairs.offset[i + 1]; ++m)
+        if (const auto found = bearers(i, near.pairs.index[m])) all.insert(*found);
+    for (const auto& these : all) {
       PlatePairs& list = near.plate_pairs.emplace_back();
       list.plate = static_cast<Index>(plate);
-      list.corner = corner;
+      list.along = these;
       list.pairs.part = near.pairs.part;
       for (std::size_t i = 0; i < n; ++i) {
         auto& index = list.pairs.index;
         list.pairs.alone.push_back(static_cast<Index>(index.size()));
         for (std::size_t m = near.pairs.alone[i]; m < near.pairs.offset[i + 1]; ++m)
-          if (near.pairs.index[m] >= n && behind[near.pairs.index[m] - n]) index.push_back(near.pairs.index[m]);
+          if (bearers(i, near.pairs.index[m]) == these) index.push_back(near.pairs.index[m]);
         while (index.size() % n_lanes != 0) index.push_back(static_cast<Index>(i));
         list.pairs.offset.push_back(static_cast<Index>(index.size()));
       }
     }
+  }
 }
 
 }  // namespace
@@ -440,8 +667,8 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   near.images.assign(images.size(), {});
   near.behind_curved.clear();
   near.behind_plates.clear();
-  near.plates_at.clear();
-  for (const auto& plate : particles.plates) near.plates_at.push_back(plate.displacement);
+  near.behind_tilting.clear();
+  near.plates_at = particles.plates;
   VecArray<D> sources = particles.position;
   sources.insert(sources.end(), images.position.begin(), images.position.end());
   std::vector<Passed<D>> passed;
@@ -458,7 +685,10 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
       find_passed(boundaries, images.boundaries[k], passed);
     find_velocity_maps<D>(passed, rule);
     find_crossings<D>(passed, rule);
+    const std::size_t first = near.behind_plates.size();
     find_plates<D>(passed, particles.plates, k, rule, near.behind_plates);
+    if (first < near.behind_plates.size() && near.behind_plates[first].turns)
+      near.behind_tilting.push_back({static_cast<Index>(k), static_cast<Index>(first), passed});
     rule.periodic = passed.empty();
     if (!rule.curved) continue;
     BehindCurved<D>& behind = near.behind_curved.emplace_back();
@@ -473,8 +703,12 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, originals, near.pairs,
              particles.share.at_rest);
   if (thin) hide_behind_walls<D>(boundaries.sight, range, particles.size(), sources, images, near.pairs);
+  if (!near.behind_tilting.empty()) {
+    turn_images(particles.position, particles.plates, near);
+    leave_apart<D>(particles.plates, boundaries, particles.size(), sources, near, near.pairs);
+  }
   if (boundaries.surfaces) list_views(near.pairs, images.parent, near.views);
-  list_plate_pairs(particles.plates.size(), near);
+  list_plate_pairs(boundaries, images, particles.plates.size(), near);
 }
 
 template <int D>
@@ -500,7 +734,10 @@ void fill_nodes(const Setup<D>& setup, State<D>& state) {
       even += share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
     node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
-    node.hourglass_level = p.plastic_strain[i] <= 0.0 ? Node<D>::elastic
+    // The displacement of soil that was in suspension does not tell how far its grains are strained.
+    const bool settled = std::isfinite(setup.contact_volume[p.material[i]]);
+    node.hourglass_level = settled                      ? Node<D>::yielded
+                           : p.plastic_strain[i] <= 0.0 ? Node<D>::elastic
                            : p.plastic_strain[i] <= setup.flow_limit
                                ? Node<D>::yielded + softness * root_j2(p.stress[i])
                                : Node<D>::flows;
@@ -517,6 +754,7 @@ void fill_nodes(const Setup<D>& setup, State<D>& state) {
     turn_with_parent<D>(p.position[rule.parent], near.behind_curved[k], rule);
   });
   follow_plates(p.plates, near);
+  turn_images(p.position, p.plates, near);
   carry_images(p.plates, near);
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     ImageRule<D>& rule = near.images[k];
@@ -560,7 +798,8 @@ void fill_nodes(const Setup<D>& setup, State<D>& state) {
     }
   }
   for (const BehindPlate<D>& behind : near.behind_plates)
-    near.images[behind.image].displacement += behind.velocity * p.plates[behind.plate].displacement;
+    if (!behind.turns) near.images[behind.image].displacement += behind.velocity * p.plates[behind.plate].displacement;
+  turn_gradients(p, near, nodes);
 }
 
 template <int D>

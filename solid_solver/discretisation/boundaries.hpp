@@ -25,6 +25,7 @@ struct Boundaries {
   std::vector<Kind> kinds;                   ///< by boundary number
   ScalarArray friction;                      ///< Coulomb's friction coefficient, of frictional boundaries
   std::vector<int> plate;                    ///< number of the plate that a boundary is; -1: none
+  std::vector<char> tilts;                   ///< 1 where a boundary is a plate that tilts, by boundary number
   [[nodiscard]] bool any_frictional() const {
     return std::find(kinds.begin(), kinds.end(), Kind::frictional) != kinds.end();
   }

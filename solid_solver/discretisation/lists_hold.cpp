@@ -108,8 +108,12 @@ template <int D>
 bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhood<D>& near) {
   const double reach = sph::support_radius * setup.smoothing_length, far = 0.5 * points::tile_reach * setup.skin;
   double plates_moved = 0.0;  // m
-  for (std::size_t k = 0; k < p.plates.size(); ++k)
-    plates_moved = std::max(plates_moved, (p.plates[k].displacement - near.plates_at[k]).norm());
+  for (std::size_t k = 0; k < p.plates.size(); ++k) {
+    const PlateMotion<D>&now = p.plates[k], &before = near.plates_at[k];
+    if (now.apart != before.apart) return false;
+    const double by_turning = std::abs(now.angle - before.angle) * (setup.plates[k].half + reach);
+    plates_moved = std::max(plates_moved, (now.displacement - before.displacement).norm() + by_turning);
+  }
   // An image moves by twice the displacement of its plate, in addition to that of its parent.
   const double most = 0.5 * setup.skin - plates_moved;
   if (most < 0.25 * setup.skin) return false;

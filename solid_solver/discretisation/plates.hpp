@@ -24,20 +24,36 @@ struct PlateSetup {
   double mass = 0.0;                                        ///< kg, of a plate under a force
   double row = 0.0;                                         ///< kg, mass of a row of the soil in front of the plate
   bool sinks_in = false;  ///< soil lies beside one of the plate's ends; the plate may sink into it
+  // Of a plate that tilts (2D).
+  bool tilts = false, lifts = false;
+  Vec<D> middle = Vec<D>::Zero();  ///< m, at time zero
+  double half = 0.0;               ///< m, half of its length
+  double inertia = 0.0;            ///< kg m2/m, of the mass, about the middle
+  double row_inertia = 0.0;        ///< kg m2/m, of the row of soil
+  double eccentricity = 0.0;       ///< m, place of the force on the line, from the middle
+  std::optional<Series> moment;    ///< N m/m, on the plate, counter-clockwise
   [[nodiscard]] bool is_free() const { return force.has_value(); }  ///< the plate moves under a force
   /// Displacement [m] that the case prescribes at `time` [s]. For a plate under a force it has no component along the
   /// normal.
   [[nodiscard]] Vec<D> prescribed(double time) const;
-  /// Force [N] along the normal at `time` [s].
+  /// Force [N] along the normal at `time` [s], and moment [N m/m] in addition to that of the force.
   [[nodiscard]] double force_at(double time) const;
+  [[nodiscard]] double moment_at(double time) const;
+};
+
+/// A motion of a plate that follows from the forces on it: its displacement along its normal, or its rotation.
+struct PlateFreedom {
+  std::size_t plate = 0;
+  bool turns = false;
 };
 
 /// What the case prescribes for a plate in a step: its displacement at the step's end, `target` [m], and the force on
-/// it along its normal [N]. For a plate under a force only the displacement along its line is prescribed.
+/// it along its normal [N] and its moment [N m/m]. For a plate under a force only the displacement along its line is
+/// prescribed.
 template <int D>
 struct PlateOrder {
   Vec<D> target = Vec<D>::Zero();
-  double force = 0.0;
+  double force = 0.0, moment = 0.0;
 };
 
 /// The plates of a case in front of soil of the given spacing [m], positions [m] and masses [kg].
@@ -48,5 +64,9 @@ std::vector<PlateSetup<D>> make_plates(const Case& scene, double spacing, const 
 /// What the case prescribes for the plates in a step that ends at `time` [s].
 template <int D>
 std::vector<PlateOrder<D>> orders_at(const std::vector<PlateSetup<D>>& plates, double time);
+
+/// All freedoms of the plates under a force.
+template <int D>
+std::vector<PlateFreedom> freedoms_of(const std::vector<PlateSetup<D>>& plates);
 
 }  // namespace poretwin::solid

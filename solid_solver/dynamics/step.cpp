@@ -111,6 +111,10 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   keep_flow_regular(setup, dt, false, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
+  if (update_contacts(setup, state)) {
+    rebuild_lists(setup, state);
+    evaluate_forces(setup, state);
+  }
 }
 
 template <int D>
@@ -133,7 +137,10 @@ void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& s
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
-  for (auto& plate : p.plates) plate.displacement += dt * plate.velocity;
+  for (auto& plate : p.plates) {
+    plate.displacement += dt * plate.velocity;
+    plate.angle += dt * plate.spin;
+  }
   strain<D>(setup, dt, drive && drive->timeless ? std::numeric_limits<double>::infinity() : dt, state);
   slide_on_walls(setup, dt, drive, state);
   state.any_yielded = state.any_yielded || setup.domain.any(std::any_of(state.yielded.begin(), state.yielded.end(),
@@ -170,12 +177,22 @@ template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time) {
   VecArray<D> force(state.particles.size(), Vec<D>::Zero());
   VecArray<D> q;
+  std::vector<char> at_surface;  // empty: all
   for (const auto& patch : setup.loads) {
     if (time < patch.start) continue;
     if (q.empty()) q = surface_vectors<D>(state);
-    const Vec<D> traction = patch.scale * (patch.factor ? patch.factor->at(time) : 1.0) * patch.traction;
-    for_each_own<D>(state.particles, patch.particles,
-                    [&](Index i) { force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction; });
+    // Only where the water's pressure has the adjoint form, too: water that bears the load then balances it exactly.
+    const bool sparing = setup.water.is_field && patch.normal.isZero();
+    if (sparing && at_surface.empty()) at_surface = feel_surface<D>(setup.spacing, state, q);
+    const double factor = patch.scale * (patch.factor ? patch.factor->at(time) : 1.0);
+    const Vec<D> traction = factor * patch.traction;
+    // A pressure on all sides is the force of a uniform stress: its work is the pressure times the change of volume,
+    // whatever the shape of the surface and the arrangement of the particles.
+    for_each_own<D>(state.particles, patch.particles, [&](Index i) {
+      if (sparing && !at_surface[i]) return;
+      const Vec<D> area = state.particles.volume[i] * q[i];
+      force[i] += patch.normal.dot(area) * traction + (factor * patch.pressure) * area;
+    });
   }
   return force;
 }
@@ -186,7 +203,8 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
   const auto& p = state.particles;
   for (std::size_t k = 0; k < setup.plates.size(); ++k) {
     const PlateSetup<D>& plate = setup.plates[k];
-    const double sunk = plate.normal.dot(p.plates[k].displacement);
+    const double turned = plate.tilts ? plate.half * std::abs(std::sin(p.plates[k].angle)) : 0.0;
+    const double sunk = plate.normal.dot(p.plates[k].displacement) + turned;  // of its lower end
     if (plate.sinks_in && !(sunk <= walls::deepest_plate * setup.spacing))
       throw DivergedError(fmt::format(
           "plate \"{}\" has sunk by {:.4g} m into soil that lies beside its ends: farther than {:g} spacings "

@@ -61,7 +61,8 @@ template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup);
 
 /// Force on each particle [N] of all loads that have begun at `time` [s]. A traction T acts as
-/// V (n . q) T with the face's inward normal n and the surface vector q (surface_vectors).
+/// V (n . q) T with the face's inward normal n and the surface vector q (surface_vectors), of a pressure P on all sides
+/// V q P.
 template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
 

@@ -3,8 +3,20 @@
 #include "solid_solver/discretisation/batch.hpp"
 #include "solid_solver/numerics/flow.hpp"
 
+#include <cmath>
+
 namespace poretwin::solid {
 namespace {
+
+/// Share of a strain during which the grains touch, where the bulk volume [m^D] goes from `before` to `after` and they
+/// touch below `contact`. Suspended grains are strained from the contact on only.
+[[gnu::always_inline]] inline void touching_share(const Lanes& before, const Lanes& after, const Lanes& contact,
+                                                  Lanes& share) {
+  const LaneMask settles = (before > contact) & (after < contact);
+  const Lanes change = settles ? before - after : Lanes{} + 1.0;
+  share = settles ? (contact - after) / change : Lanes{} + 1.0;
+  share = after > contact ? Lanes{} : share;
+}
 
 /// Computes trial strains, rotated stresses, and the volumes that follow from the strains, for a batch of particles.
 template <int D>
@@ -12,7 +24,8 @@ void follow(const Setup<D>& setup, double dt, double duration, const State<D>& s
   const Particles<D>& p = state.particles;
   const Index soil = batch.soil;
   const double density = setup.density[soil], grain_density = setup.grain_density[soil],
-               grain_share = setup.grain_share[soil];
+               grain_share = setup.grain_share[soil], contact = setup.contact_volume[soil];
+  const bool suspended = std::isfinite(contact);
   // The solid fraction n_s = m / (rho_s V), Eq. (50), conserves mass: V changes at the rate of volumetric strain. V is
   // bounded, since an opening crack is not porosity, and since colliding grains keep a tenth of their pores.
   run_lanes([&]() __attribute__((always_inline)) {
@@ -43,6 +56,12 @@ void follow(const Setup<D>& setup, double dt, double duration, const State<D>& s
       max_in_place(volume, closest);
       min_in_place(volume, 2.0 * reference);
       batch.volume[q].v = volume;
+      Lanes touching = Lanes{} + 1.0;
+      if (suspended) {
+        Lanes before;
+        take_each(p.volume, i, before);
+        touching_share(before, volume, contact * reference, touching);
+      }
       spin_rate<D>(four.stress, gradient, turning);
       strain_rate<D>(gradient, four.strain);
       for (int d = 0; d < D; ++d) four.strain[d] -= spreading / D;
@@ -55,7 +74,7 @@ void follow(const Setup<D>& setup, double dt, double duration, const State<D>& s
       batch.stiffness[q].v = share;
       for (int c = 0; c < 6; ++c) {
         four.stress[c] += dt * turning[c];
-        four.strain[c] *= dt * share;  // the stress of the lower moduli
+        four.strain[c] *= dt * touching * share;  // the stress of the lower moduli
       }
     }
   });
@@ -81,7 +100,8 @@ void strain(const Setup<D>& setup, double dt, double duration, State<D>& state) 
       p.volume[i] = batch.volume[k / n_lanes].v[lane];
       const bool apart = friction > 0.0F && p.volume[i] > flow::loosest * p.mass[i] / setup.density[batch.soil];
       p.rubbing[i] = apart ? friction : 0.0F;
-      for (int c = 0; c < 6; ++c) p.stress[i][c] = apart ? 0.0 : four.stress[c][lane];
+      const bool stressed = !apart && !in_suspension(setup, p, i);
+      for (int c = 0; c < 6; ++c) p.stress[i][c] = stressed ? four.stress[c][lane] : 0.0;
       if (four.plastic[lane] <= 0.0) continue;
       p.plastic_strain[i] += four.plastic[lane] / batch.stiffness[k / n_lanes].v[lane];
       state.yielded[i] = 1;

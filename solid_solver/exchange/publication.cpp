@@ -65,6 +65,7 @@ coupling::Publication published(const Setup<D>& setup, const State<D>& state, Po
   scalars(field::grain_density, [&](std::size_t i) { return setup.grain_density[p.material[i]]; });
   scalars(field::constrained_modulus, [&](std::size_t i) {
     const Elasticity elasticity = moduli(setup, p, i);
+    if (in_suspension(setup, p, i)) return exchange::modulus_in_suspension * elasticity.constrained();
     if (state.motion.moving) return exchange::modulus_in_motion * elasticity.constrained();
     return state.yielded[i] ? elasticity.yielding() : elasticity.constrained();
   });

@@ -77,6 +77,7 @@ OrZero<double> take_pressure(const Setup<D>& setup, const Inbox& inbox, double t
     if (!pressure.is_allocated()) return pressure;
     if (setup.water.is_field) {
       state.external.saturation = field_or_zero(inbox, field::degree_of_saturation, n, 1);
+      if (setup.water.has_basins()) state.external.basin_level = field_or_zero(inbox, field::basin_level, n, 1);
       return pressure;
     }
     for (std::size_t i = 0; i < n; ++i)

@@ -182,6 +182,12 @@ Material ModifiedCamClay::row() {
              "larger one, that one counts; 0: from the ratio."},
             not_negative()}},
           [](const Soil& soil, const Material::Complain& complain) {
+            // In triaxial compression q / p is 3 where the lateral stress vanishes.
+            if (constexpr double tensile = 3.0; soil.own("critical_state_slope") >= tensile)
+              complain("critical_state_slope",
+                       fmt::format("expected less than {:g}, beyond which the soil would bear tension; M is a ratio of "
+                                   "stresses, 6 sin(phi) / (3 - sin(phi)), found {}",
+                                   tensile, soil.own("critical_state_slope")));
             if (soil.own("swelling_slope") >= soil.own("compression_slope"))
               complain("swelling_slope", fmt::format("expected less than the compression slope of {}, found {}",
                                                      soil.own("compression_slope"), soil.own("swelling_slope")));

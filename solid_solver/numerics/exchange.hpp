@@ -20,6 +20,11 @@ inline constexpr double least_seen = 1e-6;
 /// Unit: 1. Test: Submerged.PressureUnderSoilThatFlowsDoesNotAlternate (untried).
 inline constexpr double modulus_in_motion = 0.3;
 
+/// The same where the grains are in suspension. They have no stiffness, but a prediction without any lets motion grow
+/// that alternates from row to row; with 1 the passes through a window hardly converge.
+/// Unit: 1. Test: liquefied_column (untried).
+inline constexpr double modulus_in_suspension = 0.1;
+
 /// A particle counts as lying at a free surface where the length of its surface vector (surface_vectors()) times the
 /// spacing is at least this: it is of order 1 in the first row, some hundredths at disordered points inside the soil.
 /// Unit: 1. Test: none known.

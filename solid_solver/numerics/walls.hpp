@@ -44,5 +44,9 @@ inline constexpr double deepest_plate = 1.5;
 /// least this value. A wave can make a plate pull for an instant.
 /// Unit: 1. Test: Plate.ThatPullsMoreThanAHundredthIsWarnedOf.
 inline constexpr double noticed_pull = 0.01;
+/// A part of a plate that lifts comes off where it pulls at the soil by more than this. With less, rounding and waves
+/// would let parts come off and touch again in turn.
+/// Unit: sum of the forces of all parts. Test: TiltingPlate.LiftsOffWhereItWouldPull (untried).
+inline constexpr double comes_off_above = 0.01;
 
 }  // namespace poretwin::solid::walls

@@ -1,6 +1,7 @@
 #include "solid_solver/output/gauges.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/output/deposit.hpp"
 #include "solid_solver/output/probe.hpp"
 #include "solid_solver/output/readout.hpp"
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string_view>
@@ -60,6 +62,14 @@ double crest_settlement(const Gauge& gauge, const Setup<D>& setup, const State<D
     if (summing) return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
   }
   return 0.0;
+}
+
+/// Length [m] of the parts of a plate that have not come off.
+template <int D>
+double touching(const PlateSetup<D>& plate, const PlateMotion<D>& motion) {
+  if (motion.apart.empty()) return 2.0 * plate.half;
+  const auto parts = static_cast<double>(motion.apart.size());
+  return 2.0 * plate.half / parts * static_cast<double>(std::ranges::count(motion.apart, char{0}));
 }
 
 template <int D>
@@ -154,11 +164,14 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
       for (std::size_t k = 0; k < setup.plates.size(); ++k) {
         const PlateSetup<D>& plate = setup.plates[k];
         if (plate.name != gauge.quantity) continue;
-        readings.push_back(
-            {gauge.name, p.plates[k].water - plate.normal.dot(p.plates[k].reaction), D == 2 ? "N/m" : "N"});
-        if constexpr (D == 2)
-          readings.push_back({gauge.name + "_along", -plate.along.dot(p.plates[k].reaction), "N/m"});
-        readings.push_back({gauge.name + "_displacement", plate.normal.dot(p.plates[k].displacement), "m"});
+        const PlateMotion<D>& motion = p.plates[k];
+        readings.push_back({gauge.name, pressing(setup, state, k), D == 2 ? "N/m" : "N"});
+        if constexpr (D == 2) readings.push_back({gauge.name + "_along", -plate.along.dot(motion.reaction), "N/m"});
+        readings.push_back({gauge.name + "_displacement", plate.normal.dot(motion.displacement), "m"});
+        if (!plate.tilts) continue;
+        readings.push_back({gauge.name + "_moment", motion.water_moment - motion.moment, "N m/m"});
+        readings.push_back({gauge.name + "_rotation", motion.angle, "rad"});
+        if (plate.lifts) readings.push_back({gauge.name + "_touching", touching(plate, motion), "m"});
       }
       continue;
     }
@@ -193,7 +206,10 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
                          : gauge.kind == "received_impulse" ? received
                                                             : Vec<D>(momentum - received - state.from_outside);
       for (int d = 0; d < D; ++d)
-        readings.push_back({fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
+        if (gauge.kind != "momentum" || gauge.quantity.empty() ||
+            gauge.quantity.ends_with(axes[static_cast<std::size_t>(d)]))
+          readings.push_back(
+              {fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
     } else if (gauge.kind == "kinetic_energy") {
       readings.push_back({gauge.name, kinetic, "J" + per});
     } else if (gauge.kind == "energy") {

@@ -47,8 +47,10 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
     reference = std::max(reference,
                          force_from_outside(drive, i).norm() / state.particles.mass[i] * setup.spacing / setup.height);
   for (std::size_t k = 0; k < setup.plates.size(); ++k) {
-    const double pressed = std::max(drive.plates.empty() ? 0.0 : std::abs(drive.plates[k].force),
-                                    state.particles.plates[k].reaction.norm());
+    double pressed = std::max(drive.plates.empty() ? 0.0 : std::abs(drive.plates[k].force),
+                              state.particles.plates[k].reaction.norm());
+    if (setup.plates[k].tilts && !drive.plates.empty())
+      pressed = std::max(pressed, std::abs(drive.plates[k].moment) / setup.plates[k].half);
     reference = std::max(reference, pressed / setup.plates[k].row * setup.spacing / setup.height);
     if (drive.plates.empty() || setup.plates[k].is_free()) continue;
     // The stress that the remaining displacement to the target causes in a column of the soil's height.
@@ -99,7 +101,10 @@ template <int D>
 void stop(const Setup<D>& setup, State<D>& state) {
   for (auto& v : state.particles.velocity) v.setZero();
   for (auto& s : state.particles.slip) s.setZero();
-  for (auto& plate : state.particles.plates) plate.velocity.setZero();
+  for (auto& plate : state.particles.plates) {
+    plate.velocity.setZero();
+    plate.spin = 0.0;
+  }
   for (auto& node : state.nodes) node.gradient.setZero();
   evaluate_forces(setup, state);
 }

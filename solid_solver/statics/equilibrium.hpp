@@ -134,10 +134,9 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   RestReport report;
   report.criterion = search.criterion;
   const std::size_t n = state.particles.free();
-  std::vector<std::size_t> free_plates;  // plates whose displacements along their normals are searched for as well
-  for (std::size_t k = 0; k < setup.plates.size(); ++k)
-    if (setup.plates[k].is_free()) free_plates.push_back(k);
-  const auto of_soil = static_cast<Eigen::Index>(n * D), of_plates = static_cast<Eigen::Index>(free_plates.size());
+  // The plates' displacements along their normals are searched for as well, and those of their ends as they turn.
+  const std::vector<PlateFreedom> freedoms = freedoms_of(setup.plates);
+  const auto of_soil = static_cast<Eigen::Index>(n * D), of_plates = static_cast<Eigen::Index>(freedoms.size());
   const Eigen::Index size = of_soil + of_plates;
   const State<D> start = state;
   ScalarArray held = start.particles.plastic_strain;
@@ -156,10 +155,14 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
       PlateMotion<D>& plate = state.particles.plates[k];
       plate.velocity = (drive.plates[k].target - plate.displacement) / interval;
     }
-    for (std::size_t f = 0; f < free_plates.size(); ++f) {
-      const Vec<D>& normal = setup.plates[free_plates[f]].normal;
-      Vec<D>& velocity = state.particles.plates[free_plates[f]].velocity;
-      velocity += (all[of_soil + static_cast<Eigen::Index>(f)] / interval - normal.dot(velocity)) * normal;
+    for (std::size_t f = 0; f < freedoms.size(); ++f) {
+      const PlateSetup<D>& plate = setup.plates[freedoms[f].plate];
+      PlateMotion<D>& motion = state.particles.plates[freedoms[f].plate];
+      const double speed = all[of_soil + static_cast<Eigen::Index>(f)] / interval;
+      if (freedoms[f].turns)
+        motion.spin = speed / plate.half;
+      else
+        motion.velocity += (speed - plate.normal.dot(motion.velocity)) * plate.normal;
     }
     deform<D>(setup, interval, nullptr, state);
     leave_out(setup, state, apart);
@@ -173,8 +176,8 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
     for (std::size_t i = 0; i < n; ++i)
       if (apart[i]) force[i].setZero();
     missing.head(of_soil) = Flat(force.data()->data(), of_soil);
-    for (std::size_t f = 0; f < free_plates.size(); ++f)
-      missing[of_soil + static_cast<Eigen::Index>(f)] = unbalanced(setup, state, drive, free_plates[f]);
+    for (std::size_t f = 0; f < freedoms.size(); ++f)
+      missing[of_soil + static_cast<Eigen::Index>(f)] = unbalanced(setup, state, drive, freedoms[f]);
     VecArray<D> step = stiffness.displacements(force, missing.tail(of_plates), plates_towards);
     towards.head(of_soil) = Flat(step.data()->data(), of_soil);
     towards.tail(of_plates) = plates_towards;

@@ -38,34 +38,49 @@ void complete(const Setup<D>& setup, State<D>& state) {
   evaluate_forces(setup, state);
 }
 
+namespace {
+
+constexpr double before_everything = -1e300;  // s, a time at which only permanent loads act
+
+/// What acts on the soil before time zero: the permanent loads and the water.
+template <int D>
+void drive_before_everything(const Setup<D>& setup, State<D>& state, Drive<D>& drive) {
+  const std::size_t n = state.particles.size();
+  drive.plates = orders_at(setup.plates, before_everything);
+  state.external.pressure_gradient = gradient_of(setup, state, state.external.pressure, before_everything);
+  drive.traction = load_forces<D>(setup, state, before_everything);
+  drive.distributed.allocate(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec<D> gradient = state.external.pressure_gradient[i];
+    drive.distributed.set(i, setup.initial_rest.bears_seepage ? steady_water_force(setup, state, i, gradient)
+                                                              : water_force(setup, state, i, gradient));
+  }
+}
+
+}  // namespace
+
+template <int D>
+void begin_under_earth_pressure(const Setup<D>& setup, State<D>& state) {
+  const auto has_ratio = [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); };
+  if (!std::ranges::any_of(setup.soils, has_ratio)) return;
+  Drive<D> drive;
+  drive_before_everything(setup, state, drive);
+  start_from_earth_pressure<D>(setup, setup.soils, drive, state);
+  Particles<D>& p = state.particles;
+  for (std::size_t i = 0; i < p.size(); ++i) setup.models[p.material[i]]->initial(p.stress[i], p.state_of(i));
+}
+
 template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
-  const std::size_t n = state.particles.size();
   const VecArray<D> initial = state.particles.velocity, slip = state.particles.slip;
   stop(setup, state);
-  constexpr double before_everything = -1e300;  // a time at which only permanent loads act
+  begin_under_earth_pressure(setup, state);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (coupling::interrupted())
       throw Error(ExitCode::interrupted,
                   "interrupted in the search for the soil's rest: there is nothing to resume from yet");
-    if (!rebuilt) return;
-    drive.plates = orders_at(setup.plates, before_everything);
-    state.external.pressure_gradient = gradient_of(setup, state, state.external.pressure, before_everything);
-    drive.traction = load_forces<D>(setup, state, before_everything);
-    drive.distributed.allocate(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec<D> gradient = state.external.pressure_gradient[i];
-      drive.distributed.set(i, setup.initial_rest.bears_seepage ? steady_water_force(setup, state, i, gradient)
-                                                                : water_force(setup, state, i, gradient));
-    }
+    if (rebuilt) drive_before_everything(setup, state, drive);
   };
-  if (std::ranges::any_of(setup.soils, [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {
-    Drive<D> drive;
-    external(drive, true);
-    start_from_earth_pressure<D>(setup, setup.soils, drive, state);
-    Particles<D>& p = state.particles;
-    for (std::size_t i = 0; i < n; ++i) setup.models[p.material[i]]->initial(p.stress[i], p.state_of(i));
-  }
   RestSearch search;
   search.drifts = true;
   const RestReport rest = find_rest<D>(setup, search, state, external, [](const RestReport& r) {
@@ -88,10 +103,11 @@ void start_counting(State<D>& state) {
   ++state.revision;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                    \
-  template State<D> laid_out<D>(Setup<D>&, Particles<D>);          \
-  template void complete<D>(const Setup<D>&, State<D>&);           \
-  template RestReport come_to_rest<D>(const Setup<D>&, State<D>&); \
+#define PORETWIN_INSTANTIATE(D)                                            \
+  template State<D> laid_out<D>(Setup<D>&, Particles<D>);                  \
+  template void complete<D>(const Setup<D>&, State<D>&);                   \
+  template void begin_under_earth_pressure<D>(const Setup<D>&, State<D>&); \
+  template RestReport come_to_rest<D>(const Setup<D>&, State<D>&);         \
   template void start_counting<D>(State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

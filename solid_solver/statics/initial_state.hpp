@@ -15,7 +15,13 @@ State<D> laid_out(Setup<D>& setup, Particles<D> particles);
 template <int D>
 void complete(const Setup<D>& setup, State<D>& state);
 
-/// Searches for the soil's rest under the present water pressure. Restores the initial velocities at the end.
+/// Sets the stresses of soils with `earth_pressure_at_rest` to those of level ground under its weight, the permanent loads
+/// and the present water pressure (see start_from_earth_pressure); without such soils it does nothing.
+template <int D>
+void begin_under_earth_pressure(const Setup<D>& setup, State<D>& state);
+
+/// Searches for the soil's rest under the present water pressure, from the stresses of
+/// begin_under_earth_pressure. Restores the initial velocities at the end.
 template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state);
 

@@ -23,15 +23,20 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   const std::vector<Elasticity>& elasticity = setup.typical;
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
   inverse_ = D == 2 ? by_factors<D>() : by_multigrid<D>();
-  std::vector<std::size_t> free_plates;
-  for (std::size_t k = 0; k < setup.plates.size(); ++k)
-    if (setup.plates[k].is_free()) free_plates.push_back(k);
-  border_.assign(free_plates.size(), VecArray<D>(n_free, Vec<D>::Zero()));
-  std::vector<Vec<D>> carried(near.images.size() * free_plates.size(), Vec<D>::Zero());  // by image, then by plate
+  const std::vector<PlateFreedom> freedoms = freedoms_of(setup.plates);
+  border_.assign(freedoms.size(), VecArray<D>(n_free, Vec<D>::Zero()));
+  std::vector<Vec<D>> carried(near.images.size() * freedoms.size(), Vec<D>::Zero());  // by image, then by freedom
   for (const BehindPlate<D>& behind : near.behind_plates)
-    if (const auto at = std::ranges::find(free_plates, behind.plate); at != free_plates.end())
-      carried[behind.image * free_plates.size() + static_cast<std::size_t>(at - free_plates.begin())] =
-          behind.velocity * setup.plates[behind.plate].normal;
+    for (std::size_t f = 0; f < freedoms.size(); ++f)
+      if (freedoms[f].plate == behind.plate)
+        carried[behind.image * freedoms.size() + f] = behind.velocity * setup.plates[behind.plate].normal;
+  // Displacement of the plate along its normal at the place between two nodes, per displacement in a freedom.
+  const auto share_of = [&](const PlateFreedom& freedom, std::size_t i, std::size_t j) {
+    const PlateSetup<D>& plate = setup.plates[freedom.plate];
+    return freedom.turns ? plate.along.dot(0.5 * (place(i) + place(j)) - plate.middle) / plate.half : 1.0;
+  };
+  const auto m = static_cast<Eigen::Index>(freedoms.size());
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(m, m);
   for (Eigen::Index axis = 0; axis < D; ++axis) {
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](std::size_t i, std::size_t j, double value) {
@@ -52,8 +57,14 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const double strength =
           -volume(i) * volume(parent) * sph::WendlandC2<D>::derivative_over_r(distance, setup.smoothing_length) * form;
       add(i, i, strength);
-      for (std::size_t f = 0; f < free_plates.size() && j >= n; ++f)
-        border_[f][i][axis] += strength * carried[(j - n) * free_plates.size() + f][axis];
+      for (std::size_t f = 0; f < freedoms.size() && j >= n; ++f) {
+        const double share = share_of(freedoms[f], i, j);
+        const double force = strength * share * carried[(j - n) * freedoms.size() + f][axis];
+        border_[f][i][axis] += force;
+        if (!freedoms[f].turns) continue;
+        const auto at = static_cast<Eigen::Index>(f);
+        stiffness(at, at) += force * share * setup.plates[freedoms[f].plate].normal[axis];
+      }
       if (parent >= n_free) return;
       const double coupling = j < n ? -strength : -strength * near.images[j - n].velocity(axis, axis);
       if (j < n || !near.images[j - n].curved) {
@@ -68,8 +79,6 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
     matrix.setFromTriplets(entries.begin(), entries.end());
     inverse_->add(matrix);
   }
-  const auto m = static_cast<Eigen::Index>(free_plates.size());
-  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(m, m);
   const auto times = [](const VecArray<D>& a, const VecArray<D>& b) {
     double sum = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
@@ -78,9 +87,17 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   for (const VecArray<D>& force : border_) follow_.push_back(displacements(force));
   for (Eigen::Index a = 0; a < m; ++a) {
     const auto f = static_cast<std::size_t>(a);
-    // Soil that moves with the plate does not resist it.
-    for (const Vec<D>& force : border_[f]) stiffness(a, a) += force.dot(setup.plates[free_plates[f]].normal);
-    for (Eigen::Index b = 0; b < m; ++b) stiffness(a, b) -= times(border_[f], follow_[static_cast<std::size_t>(b)]);
+    for (Eigen::Index b = 0; b < m; ++b) {
+      const auto g = static_cast<std::size_t>(b);
+      // Soil that moves along with the plate does not resist it.
+      if (!freedoms[f].turns && freedoms[f].plate == freedoms[g].plate) {
+        double along = 0.0;
+        for (const Vec<D>& force : border_[g]) along += force.dot(setup.plates[freedoms[f].plate].normal);
+        stiffness(a, b) += along;
+        if (a != b) stiffness(b, a) += along;
+      }
+      stiffness(a, b) -= times(border_[f], follow_[g]);
+    }
   }
   compliance_ = stiffness.inverse();
   VecArray<D> weight(n_free);

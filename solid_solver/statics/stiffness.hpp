@@ -28,8 +28,8 @@ class Stiffness {
   ~Stiffness();
   /// Approximate displacements [m] that balance the forces [N].
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces) const;
-  /// Approximate displacements [m] of the particles (returned) and of the plates under a force, along their normals
-  /// (`plates`), that balance forces on both. on_plates: forces [N] on these plates along their normals.
+  /// Approximate displacements [m] of the particles (returned) and in the freedoms of the plates (`plates`: along their
+  /// normals, or of their ends as they turn) that balance forces on both. on_plates: forces [N] in these freedoms.
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces, const Eigen::VectorXd& on_plates,
                                           Eigen::VectorXd& plates) const;
   /// Work [J] of the forces [N] on the displacements that balance them. With factors it needs only half of the solve.
@@ -46,8 +46,8 @@ class Stiffness {
   ScalarArray resistance_;
   double unit_work_ = 0.0;  ///< J s4/m2, work of the forces of unit acceleration
   std::unique_ptr<AxisInverse<D>> inverse_;
-  /// For each plate under a force. border_: force on each particle per displacement of the plate along its normal
-  /// [N/m]; follow_: displacements of the particles under these forces, per displacement of the plate [1].
+  /// For each freedom of the plates. border_: force on each particle per displacement in this freedom [N/m]; follow_:
+  /// displacements of the particles under these forces, per displacement in this freedom [1].
   std::vector<VecArray<D>> border_, follow_;
   Eigen::MatrixXd compliance_;  ///< m/N, displacements of the plates per force on them; the soil responds
 };

@@ -1,5 +1,6 @@
 #include "solid_solver/window/followed_window.hpp"
 
+#include "common/coupling/interrupt.hpp"
 #include "solid_solver/dynamics/plate_motion.hpp"
 #include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/sleep/regions.hpp"
@@ -100,6 +101,7 @@ void follow_window(const Setup<D>& setup, const coupling::Window& window, std::s
       if (drive.damping > 0.0) state.damped += static_cast<double>(steps);
     }
     if (!setup.plates.empty()) drive.plates = orders_at(setup.plates, window.time + due * interval);
+    if (window.saved) coupling::give_up_if_interrupted();
     substep<D>(setup, dt, drive, state);
     watch_regions<D>(setup, drive, dt, state);
   }

@@ -375,7 +375,8 @@ TEST_F(CaseFile, LetsWaterThroughWhereItIsMeantTo) {
   EXPECT_EQ(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]") + face), "no complaint");
   EXPECT_EQ(complaint(changed(changed(tank_case, "end_time = 1",
                                       "end_time = 1\nperiodic = [\"x\"]\ndomain_min = [0, 0]\ndomain_max = [1, 1]"),
-                              "points = [[1, 0], [1, 1]]", "points = [[1, 0], [1, 1]]\nwater = \"none\"")),
+                              "points = [[1, 0], [1, 1]]", "points = [[1, 0], [1, 1]]\nwater = \"none\""),
+                      {"wall.0.water=\"none\""}),
             "no complaint");
   EXPECT_EQ(complaint(changed(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]"), "end_time = 1",
                               "end_time = 1\ngravity = [0, 0]")),

@@ -673,6 +673,43 @@ TEST_F(Mistakes, PlatesMoveInOneWay) {
   EXPECT_THAT(complaint(under_plate(line, "speed = 1\nstart = 3")), HasSubstr("key 'plate[0].start'"));
 }
 
+TEST_F(Mistakes, PlatesTurnUnderAForceWithFreeEnds) {
+  const std::string line = "[[0.3, 0.4], [0.1, 0.4]]", turns = "force = 100\ntilts = true\n";
+  EXPECT_EQ(complaint(under_plate(line, turns)), "no complaint");
+  EXPECT_EQ(complaint(under_plate(line, turns + "eccentricity = -0.09\nmoment = [[0, 0], [1, 5]]\nlifts = true")),
+            "no complaint");
+  for (const std::string key : {"eccentricity = 0.01", "moment = 3", "lifts = true"})
+    EXPECT_THAT(
+        complaint(under_plate(line, "force = 100\n" + key)),
+        HasSubstr("key 'plate[0]." + key.substr(0, key.find(' ')) + "': without 'tilts' the plate does not turn"));
+  EXPECT_THAT(
+      complaint(under_plate(line, "displacement = [[0, 0], [1, 0.01]]\ntilts = true")),
+      HasSubstr("key 'plate[0].tilts': a plate that moves in a prescribed way does not turn: expected 'force'"));
+  EXPECT_THAT(complaint(under_plate(line, turns + "eccentricity = 0.1")),
+              HasSubstr("key 'plate[0].eccentricity': the force acts beside the plate: expected less than half its "
+                        "length, 0.1 m, found 0.1 m"));
+  EXPECT_THAT(complaint(under_plate("[[0.2, 0.4], [0, 0.4]]", turns)),
+              HasSubstr("key 'plate[0].tilts': its end [0, 0.4] m lies 0 m off wall[0], which does not let it turn"));
+  EXPECT_THAT(complaint(under_plate(line, turns) + "[[plate]]\npoints = [[0.1, 0.4], [0, 0.4]]\nspeed = 0.1\n"),
+              HasSubstr("its end [0.1, 0.4] m lies 0 m off plate[1], which does not let it turn"));
+  const std::string endless =
+      changed(under_plate(line, turns), "points = " + line, "point = [0, 0.4]\nnormal = [0, -1]");
+  EXPECT_THAT(complaint(endless), HasSubstr("key 'plate[0].tilts': a plate without ends has no middle to turn about"));
+  EXPECT_THAT(complaint(under_plate(line, turns),
+                        {"case.periodic=[\"x\"]", "case.domain_min=[0, 0]", "case.domain_max=[0.4, 1]"}),
+              HasSubstr("expected no case.periodic"));
+  const std::string water = "[fluid]\nparticle_spacing = 0.02\n[[fluid.region]]\nmin = [0, 0]\nmax = [0.4, 0.4]\n";
+  const std::vector<std::string> field{"fluid.representation=\"field\""};
+  EXPECT_EQ(complaint(under_plate(line, turns) + water, field), "no complaint");
+  EXPECT_THAT(complaint(under_plate(line, turns + "lifts = true") + water, field),
+              HasSubstr("key 'plate[0].lifts': the water in the gap under a plate that has come off is not computed"));
+  EXPECT_THAT(complaint(under_plate(line, turns + "lifts = true") + "[[pore_pressure]]\npressure = 100\n"),
+              HasSubstr("expected dry soil"));
+  const std::string drain = "[[water_face]]\nname = \"drain\"\npoints = [[0.4, 0.4], [0, 0.4]]\npressure = 0\n";
+  EXPECT_THAT(complaint(under_plate(line, turns) + water + drain, field),
+              HasSubstr("water_face[0] \"drain\" lies on it and would not turn with it: expected a tight plate"));
+}
+
 TEST_F(Mistakes, APlateHasItsPlaceAndNameToItself) {
   const std::string left = under_plate("[[0.2, 0.4], [0, 0.4]]", "speed = 0.01");
   const auto second = [](const std::string& line, const std::string& name) {
@@ -757,6 +794,8 @@ speed = 0.01
   EXPECT_THAT(complaint(block("point = [0, 0, 0]\nnormal = [0, 0, 1]\n")), HasSubstr("lies on wall[0]"));
   EXPECT_THAT(complaint(block(top + "surface = \"rough\"\nalong = [[0, 0], [1, 0.01]]\n")),
               HasSubstr("belongs to dimension = 2"));
+  EXPECT_THAT(complaint(block(top + "tilts = true\n")),
+              HasSubstr("key 'plate[0].tilts': belongs to dimension = 2, found dimension = 3"));
   EXPECT_THAT(complaint(block(top + "within = { shape = \"ball\", centre = [0, 0, 0.4], radius = 0.2 }\n")),
               HasSubstr("a plate in 3D is a rectangle"));
   EXPECT_THAT(complaint(block(top + "within = { min = [0, 0, 0], max = [1, 1, 1], turn = 30, axis = [0, 0, 1] }\n")),
@@ -872,6 +911,71 @@ TEST_F(Mistakes, WhatIsHardlyMeantIsSaid) {
               HasSubstr("leaves 0.15 m for water beside wall[0] at [0, 0."));
 }
 
+TEST_F(Mistakes, NumbersInOtherMeasuresAreDoubted) {
+  const auto doubt = [&](const std::vector<std::string>& set) { return warnings(slope, set); };
+  EXPECT_EQ(doubt({}), "");
+  EXPECT_THAT(doubt({"soil.0.friction_angle=0.44"}), HasSubstr("angles are in degrees"));
+  EXPECT_THAT(doubt({"wall.0.soil=\"frictional\"", "wall.0.friction_angle=0.35"}), HasSubstr("wall[0].friction_angle"));
+  EXPECT_THAT(doubt({"soil.0.earth_pressure_at_rest=50"}), HasSubstr("is a ratio"));
+  EXPECT_EQ(doubt({"soil.0.earth_pressure_at_rest=3"}), "");
+  const std::string grains = changed(slope, "cohesion = 5000\n", "");
+  EXPECT_THAT(warnings(grains, {"solid.model=\"mu_i\"", "soil.0.static_friction=20", "soil.0.limiting_friction=32",
+                                "soil.0.grain_diameter=1"}),
+              AllOf(HasSubstr("static_friction"), HasSubstr("limiting_friction"), HasSubstr("grain_diameter is in m")));
+  EXPECT_THAT(complaint(slope, {"solid.model=\"modified_cam_clay\"", "soil.0.earth_pressure_at_rest=0.6",
+                                "soil.0.critical_state_slope=25"}),
+              AllOf(HasSubstr("soil[0].critical_state_slope"), HasSubstr("expected less than 3")));
+  EXPECT_THAT(doubt({"solid.quiet.sleep_below=0.1", "solid.quiet.wake_above=0.01"}),
+              HasSubstr("solid.quiet.sleep_below"));
+}
+
+TEST_F(Mistakes, TablesAfterTheEndAreDoubted) {
+  const std::string loaded =
+      slope + "[[load]]\npoints = [[2, 2], [0, 2]]\npressure = 1e3\nfactor = [[0, 0], [0.2, 1]]\n";
+  EXPECT_EQ(warnings(loaded), "");
+  EXPECT_THAT(warnings(loaded, {"load.0.factor=[[5, 0], [6, 1]]"}),
+              AllOf(HasSubstr("load[0].factor"), HasSubstr("its first value, 0, holds throughout")));
+}
+
+TEST_F(Mistakes, PorePressuresWithoutSoilAreDoubted) {
+  const std::string wet =
+      slope + "[[pore_pressure]]\nhead = 0.5\n[pore_pressure.region]\nmin = [{}, 0]\nmax = [9, 1]\n";
+  EXPECT_EQ(warnings(fmt::format(fmt::runtime(wet), 0)), "");
+  EXPECT_THAT(warnings(fmt::format(fmt::runtime(wet), 7)), HasSubstr("no soil lies in it"));
+  EXPECT_THAT(warnings(slope + "[[pore_pressure]]\nhead = 0.5\n[[pore_pressure]]\nhead = 0.4\n"),
+              AllOf(HasSubstr("pore_pressure[1]"), HasSubstr("has no effect")));
+}
+
+TEST_F(Mistakes, SeriesOfGaugesHaveNamesOfTheirOwn) {
+  const auto gauges = [](const char* name) {
+    return tank + fmt::format(
+                      "[[gauge]]\nname = \"w\"\nphase = \"fluid\"\nkind = \"balance\"\n"
+                      "[[gauge]]\nname = \"{}\"\nphase = \"fluid\"\nkind = \"volume\"\n",
+                      name);
+  };
+  EXPECT_EQ(complaint(gauges("w_all")), "no complaint");
+  for (const char* name : {"w_in", "w[0]"})
+    EXPECT_THAT(complaint(gauges(name)), AllOf(HasSubstr("gauge[1].name"), HasSubstr("stands in gauges.csv"))) << name;
+}
+
+TEST_F(Mistakes, RegionsOfGaugesHoldSomething) {
+  const std::string there = tank +
+                            "[[gauge]]\nname = \"v\"\nphase = \"fluid\"\nkind = \"volume\"\n"
+                            "[gauge.region]\nmin = [{}, 0]\nmax = [9, 9]\n";
+  EXPECT_EQ(complaint(fmt::format(fmt::runtime(there), 0.9)), "no complaint");
+  EXPECT_THAT(complaint(fmt::format(fmt::runtime(there), 1.1)),
+              AllOf(HasSubstr("gauge[0].region"), HasSubstr("found one outside")));
+}
+
+/// Behind a wall the images of the water would be read.
+TEST_F(Mistakes, LinesForForcesOfParticlesEndInTheDomain) {
+  const std::string force =
+      tank + "[[gauge]]\nname = \"f\"\nphase = \"fluid\"\nkind = \"pressure_force\"\npoints = [[0, 0], [{}, 0]]\n";
+  EXPECT_EQ(complaint(fmt::format(fmt::runtime(force), 1)), "no complaint");
+  EXPECT_THAT(complaint(fmt::format(fmt::runtime(force), 1.5)),
+              AllOf(HasSubstr("gauge[0].points"), HasSubstr("found [1.5, 0] m outside")));
+}
+
 TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
   EXPECT_THAT(warnings(dam, {"soil.0.model=elastic"}),
               HasSubstr("key 'soil[0].model': has no effect: with solid.model = \"rigid\" no soil moves"));
@@ -880,8 +984,6 @@ TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
   EXPECT_THAT(warnings(tank, {"fluid.sweeps=5"}), HasSubstr("key 'fluid.sweeps': has no effect"));
   EXPECT_THAT(warnings(tank, {"fluid.seed=5"}), HasSubstr("fluid.jitter is 0"));
   EXPECT_THAT(warnings(tank, {"coupling.scheme=parallel"}), HasSubstr("one phase runs alone"));
-  EXPECT_THAT(warnings(slope, {"solid.initial_rest=false", "soil.0.earth_pressure_at_rest=0.5"}),
-              HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect"));
   EXPECT_THAT(warnings(slope, {"solid.initial_seepage=true"}),
               HasSubstr("key 'solid.initial_seepage': has no effect: no water drags at the soil"));
   EXPECT_THAT(warnings(slope, {"solid.initial_seepage=true", "solid.initial_rest=false"}),
@@ -895,6 +997,16 @@ TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
                      HasSubstr("key 'gauge[0].thickness': has no effect")));
   EXPECT_THAT(warnings(dam + "[[load]]\npoints = [[0.8, 0.4], [0.4, 0.4]]\ntraction = [0, -1]\n"),
               HasSubstr("key 'load[0]': has no effect"));
+}
+
+TEST_F(Mistakes, SuspendedGrainsAreLooserThanInContactAndNotAtRest) {
+  const std::vector<std::string> suspended{"soil.0.contact_porosity=0.28", "solid.initial_rest=false"};
+  EXPECT_EQ(complaint(slope, suspended), "no complaint");
+  EXPECT_THAT(complaint(slope, {"soil.0.contact_porosity=0.3", "solid.initial_rest=false"}),
+              HasSubstr("key 'soil[0].contact_porosity': expected less than the porosity of 0.3"));
+  EXPECT_THAT(complaint(slope, {"soil.0.contact_porosity=0.28"}), HasSubstr("expected solid.initial_rest = false"));
+  EXPECT_THAT(warnings(dam, {"soil.0.contact_porosity=0.28"}),
+              HasSubstr("key 'soil[0].contact_porosity': has no effect"));
 }
 
 TEST_F(Mistakes, CommonSlipsOfThePenAreNamed) {

@@ -102,6 +102,18 @@ TEST(FieldWithSoil, ConsolidatesWithTheConductivityAcrossTheBeds) {
   EXPECT_NEAR(-last(coupled.solid_record, "displacement_y") * modulus / (load * height), consolidation(0.2), 0.005);
 }
 
+/// Between periodic sides a column strains and drains as between rollers.
+TEST(FieldWithSoil, PeriodicSidesConsolidateAsRollersDo) {
+  const auto column_until = [](double end) {
+    Case scene = loaded_column(end);
+    scene.walls = {scene.walls[1]};
+    scene.general.periodic = {0};
+    scene.general.domain_max = Point3(width, 1.0, 0.0);
+    return scene;
+  };
+  expect_consolidation(column_until, "displacement_y");
+}
+
 /// Under uniform suction and open to the air, a weightless column shortens in proportion to suction over modulus.
 TEST(FieldWithSoil, SuctionUnderAirCompressesTheSoil) {
   Case scene = column();
@@ -137,7 +149,7 @@ Case column_in_space() {
   scene.general.gravity = Point3(0.0, 0.0, -9.81);
   Soil& soil = scene.soils[0];
   soil.shape.max = Point3(width, width, height);
-  soil.poissons_ratio = 0.1;                        // the least that is allowed in 3D
+  soil.poissons_ratio = 0.1;
   soil.youngs_modulus = 1.1 * 0.8 / 0.9 * modulus;  // the constrained modulus is `modulus`
   scene.walls.clear();
   for (const auto& face : {plane(Point3::Zero(), Point3::UnitZ()), plane(Point3::Zero(), Point3::UnitX()),
@@ -183,6 +195,24 @@ TEST(FieldWithSoil, BearsASuddenLoadWhollyInSpace) {
   EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), load, 0.003 * load);
 }
 
+/// At a Poisson's ratio of zero the bulk modulus is a third of the constrained one.
+Case column_without_lateral_strain(double end) {
+  Case scene = loaded_column_in_space(end);
+  scene.soils[0].poissons_ratio = 0.0;
+  scene.soils[0].youngs_modulus = modulus;
+  return scene;
+}
+
+TEST(FieldWithSoil, BearsASuddenLoadInSpaceAtAPoissonsRatioOfZero) {
+  CoupledRun coupled;
+  run(coupled, column_without_lateral_strain(1e-3), 1e-4);
+  EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), load, 0.003 * load);
+}
+
+TEST(FieldWithSoil, ConsolidatesAsTerzaghiInSpaceAtAPoissonsRatioOfZero) {
+  expect_consolidation(column_without_lateral_strain, "displacement_z");
+}
+
 TEST(FieldWithSoil, ConsolidatesAsTerzaghiInSpace) { expect_consolidation(loaded_column_in_space, "displacement_z"); }
 
 /// A load on a quarter of the column's top: at first the water at the base bears its mean over the section, and the
@@ -204,23 +234,32 @@ TEST(FieldWithSoil, ALoadOnAPartOfAPlaneHasTheForceOfItsArea) {
   EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), 0.25 * load, 0.01 * 0.25 * load);
 }
 
-/// The weight of a pond over saturated soil is borne by the water: the skeleton is neither compressed nor lifted.
+/// The weight of a pond over saturated soil is borne by the water: the skeleton is neither compressed nor lifted. The
+/// pond's level is prescribed, or follows from what is poured into a basin.
 TEST(FieldWithSoil, APondThatRisesDoesNotMoveSaturatedSoilInSpace) {
-  const double rise = 1.0;  // m
-  Case scene = column_in_space();
-  scene.solid.initial_rest = true;
-  scene.general.end_time = 20.0;
-  scene.fluid.initial_water_table = height;
-  WaterFace top;
-  top.face = top_in_space();
-  top.head = Series{{{0.0, height}, {10.0, height + rise}}};
-  scene.water_faces = {top};
-  scene.gauges = {point_in_space("solid", "displacement_z", height), point_in_space("fluid", "pore_pressure", 0.0)};
-  CoupledRun coupled;
-  run(coupled, scene);
-  EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), 9810.0 * (height + rise), 0.002 * 9810.0 * rise);
-  const double before = coupled.solid_record.series.front().readings.front().value;  // under its own weight
-  EXPECT_NEAR(last(coupled.solid_record, "displacement_z"), before, 0.005 * 9810.0 * rise * height / modulus);
+  const double rise = 1.0, area = 0.5;  // m, m2
+  for (const bool basin : {false, true}) {
+    Case scene = column_in_space();
+    scene.solid.initial_rest = true;
+    scene.general.end_time = 20.0;
+    scene.fluid.initial_water_table = height;
+    WaterFace top;
+    top.face = top_in_space();
+    top.head = Series{{{0.0, height}, {10.0, height + rise}}};
+    if (basin) {
+      top.head = Series{{{0.0, height}}};
+      top.basin_area = Series{{{height, area}}};
+      top.discharge = Series{{{0.0, 0.1 * rise * area}, {10.0, 0.1 * rise * area}, {10.001, 0.0}}};
+    }
+    scene.water_faces = {top};
+    scene.gauges = {point_in_space("solid", "displacement_z", height), point_in_space("fluid", "pore_pressure", 0.0)};
+    CoupledRun coupled;
+    run(coupled, scene);
+    EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), 9810.0 * (height + rise), 0.002 * 9810.0 * rise) << basin;
+    const double before = coupled.solid_record.series.front().readings.front().value;  // under its own weight
+    EXPECT_NEAR(last(coupled.solid_record, "displacement_z"), before, 0.005 * 9810.0 * rise * height / modulus)
+        << basin;
+  }
 }
 
 }  // namespace

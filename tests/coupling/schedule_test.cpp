@@ -1,9 +1,11 @@
 // The coupler with two mocks: order of messages, windows, output times, rejections, changing point sets; over every
 // transport.
+#include "common/coupling/interrupt.hpp"
 #include "tests/coupling/coupled_run.hpp"
 
 #include <atomic>
 #include <cmath>
+#include <csignal>
 
 namespace poretwin::coupling {
 namespace {
@@ -68,6 +70,31 @@ TEST_P(EveryLine, ASolversInterruptEndsTheRunWithinTwoWindows) {
   EXPECT_TRUE(run.fluid.report.interrupted);
   EXPECT_GE(run.report.windows, 4u);
   EXPECT_LE(run.report.windows, 6u);
+}
+
+/// A solver that is asked to stop gives up the window under way: both sides end at its start, whoever refused it.
+TEST_P(EveryLine, AWindowThatIsRefusedAfterAnInterruptIsNotRepeated) {
+  for (const Role who : {Role::fluid, Role::solid}) {
+    MockKnobs knobs;
+    knobs.rejections = {{4, 1000}};
+    std::atomic<bool> pressed = false;
+    const auto pressing = [&](Role role) {
+      return [&pressed, square = still_square(role)](double t) {
+        if (t > 0.25) pressed = true;
+        return square(t);
+      };
+    };
+    MockPhase fluid(Role::fluid, 2, pressing(Role::fluid), who == Role::fluid ? knobs : MockKnobs{});
+    MockPhase solid(Role::solid, 2, still_square(Role::solid), who == Role::solid ? knobs : MockKnobs{});
+    CoupledRun run;
+    run.line = GetParam();
+    run.participant.interrupted = [&] { return pressed.load(); };
+    run.run(&fluid, &solid);
+    run.expect_success();
+    EXPECT_TRUE(run.report.interrupted);
+    EXPECT_LE(run.report.windows, 3u);
+    EXPECT_EQ(fluid.time(), solid.time());
+  }
 }
 
 /// Each side receives the other's fields of the window's start, and impulses one window later, without losing any.
@@ -207,8 +234,7 @@ TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
   EXPECT_DOUBLE_EQ(solid.time(), 1.0);
   ASSERT_EQ(run.fluid_record.frames.size(), 11u);
   ASSERT_EQ(run.solid_record.frames.size(), 11u);
-  for (std::size_t k = 0; k <= 10; ++k)
-    EXPECT_NEAR(run.fluid_record.frames[k], 0.1 * static_cast<double>(k), 1e-12);
+  for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(run.fluid_record.frames[k], 0.1 * static_cast<double>(k), 1e-12);
   EXPECT_EQ(run.fluid.report.windows, run.report.windows);
   EXPECT_EQ(run.solid.report.windows, run.report.windows);
   // The repeated attempt starts at the same time as the refused one, and is shorter.
@@ -332,6 +358,53 @@ TEST(Alone, HitsOutputsAndRepeatsRejectedWindows) {
   EXPECT_TRUE(fluid.seen().inboxes.front().fields.empty());
 }
 
+/// A phase that never rejects a window, but leaves one whose start is saved when the process is to stop.
+class Steady : public MockPhase {
+ public:
+  Steady(bool signals, std::chrono::milliseconds per_step)
+      : MockPhase(Role::fluid, 2, still_square(Role::fluid, 0.25), knobs(per_step)), signals_(signals) {}
+  [[nodiscard]] bool may_reject() const override { return false; }
+  Outcome advance(const Window& window, const Inbox& inbox) override {
+    const auto outcome = MockPhase::advance(window, inbox);
+    if (signals_) std::raise(SIGTERM);
+    if (window.saved) give_up_if_interrupted();
+    return outcome;
+  }
+
+ private:
+  static MockKnobs knobs(std::chrono::milliseconds per_step) {
+    MockKnobs k;
+    k.per_step = per_step;
+    return k;
+  }
+  bool signals_;
+};
+
+/// A signal to stop need not wait for the end of a long window, whose start is saved also if the phase never rejects.
+TEST(Alone, ASignalEndsLongWindowsAtTheirStart) {
+  using std::chrono::milliseconds;
+  const InterruptGuard guard;
+  Case scene;
+  scene.general.end_time = 0.1;
+  scene.coupling.interval = 0.05;
+  const auto is_second_saved = [&](milliseconds per_step) {
+    Steady phase(false, per_step);
+    MemoryRecorder record;
+    EXPECT_EQ(drive_alone(phase, scene, record).windows, 2u);
+    return phase.seen().windows[1].saved;
+  };
+  EXPECT_FALSE(is_second_saved(milliseconds(0)));
+  EXPECT_TRUE(is_second_saved(milliseconds(600)));
+  Steady phase(true, milliseconds(0));
+  MemoryRecorder record;
+  const auto report = drive_alone(phase, scene, record);
+  EXPECT_TRUE(report.interrupted);
+  EXPECT_EQ(report.windows, 0u);
+  EXPECT_EQ(phase.seen().restores, 1);
+  EXPECT_EQ(phase.time(), 0.0);
+  const InterruptGuard forgets;  // the signal
+}
+
 /// A run of thirty years may begin with windows of a tenth of a millisecond; only windows lost in rounding are an
 /// error.
 TEST(Schedule, OnlyWindowsThatRoundingLosesHaveCollapsed) {
@@ -360,8 +433,8 @@ TEST(Schedule, WindowsThatAreStuckEndTheRun) {
   run.settings = {1.0, std::nullopt, 0.0, 0.0, 0.01, "a fall through one spacing"};
   run.run(&fluid, &solid);
   EXPECT_EQ(run.coupler.code, ExitCode::diverged);
-  for (const char* said : {"1000 in a row", "the fluid: the highest speed of free water (1000 windows)",
-                           "a fall through one spacing"})
+  for (const char* said :
+       {"1000 in a row", "the fluid: the highest speed of free water (1000 windows)", "a fall through one spacing"})
     EXPECT_NE(run.coupler.error.find(said), std::string::npos) << run.coupler.error;
   EXPECT_EQ(run.report.windows, 1004u);
 }

@@ -1,8 +1,11 @@
 // Free water, also in 3D: energy and hydrostatics.
+#include "common/coupling/interrupt.hpp"
 #include "tests/fluid/energy.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
+
+#include <csignal>
 
 namespace poretwin::fluid {
 namespace {
@@ -46,6 +49,23 @@ TEST(FreeWater, NothingFallsInATankAtRest) {
     for (std::size_t a = 0; a < p.size(); ++a)
       ASSERT_NE(p.surface[a], Surface::lone) << "at " << time << " s, " << p.position[a].transpose();
   }
+}
+
+TEST(FreeWater, ASignalEndsAWindowWhoseStartIsSaved) {
+  Fluid<2> fluid(tank(0.02, 0.8));
+  fluid.initialise({});
+  const coupling::InterruptGuard guard;
+  coupling::Window window{.step = 1, .time = 0.0, .interval = 1e-3, .saved = true};
+  fluid.save();
+  const auto before = fluid.state().particles.position;
+  std::raise(SIGTERM);
+  EXPECT_THROW(fluid.advance(window, {}), coupling::WindowGivenUp);
+  fluid.restore();
+  EXPECT_EQ(fluid.state().time, 0.0);
+  EXPECT_EQ(fluid.state().particles.position, before);
+  window.saved = false;
+  EXPECT_TRUE(fluid.advance(window, {}).accepted);
+  const coupling::InterruptGuard forgets;  // the signal
 }
 
 TEST(FreeWater, DamBreakKeepsItsEnergy) {

@@ -40,7 +40,8 @@ TEST(Gauges, OfAWaterTableAtRest) {
                   gauge("potential", "potential_energy"),
                   gauge("energy", "energy"),
                   gauge("particles", "particles"),
-                  gauge("water", "balance")};
+                  gauge("water", "balance"),
+                  gauge("momentum", "momentum", {}, "momentum_y")};
   scene.gauges[9].region = box(0.0, 0.0, 0.2, 0.3);
   Fluid<2> fluid(scene);
   fluid.initialise({});
@@ -57,6 +58,8 @@ TEST(Gauges, OfAWaterTableAtRest) {
     EXPECT_NEAR(reading(fluid, "table"), 0.2, 0.05 * dx) << end;
     EXPECT_NEAR(reading(fluid, "lowest"), 9810.0 * 0.5 * dx, 0.1) << end;
     EXPECT_NEAR(reading(fluid, "speed"), 0.0, 1e-10) << end;
+    EXPECT_NEAR(reading(fluid, "momentum_y"), 0.0, 1e-9) << end;
+    EXPECT_THROW(reading(fluid, "momentum_x"), std::runtime_error) << end;  // not asked for
     EXPECT_NEAR(reading(fluid, "volume") / stored, 1.0, 1e-12) << end;
     EXPECT_NEAR(reading(fluid, "left_half") / stored, 0.5, 1e-12) << end;
     EXPECT_NEAR(reading(fluid, "potential") / (9810.0 * stored * 0.1), 1.0, 1e-9) << end;

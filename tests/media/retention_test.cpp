@@ -145,6 +145,29 @@ TEST(Retention, ATableFollowsTheCurveThatItIsOf) {
   EXPECT_EQ(table->saturation(0.0).value, 1.0);
 }
 
+/// A soil whose permeability rises from `least` to 1 over a millimetre of suction.
+Retention jumping(double least) {
+  const Series saturation{{{-2.0, 0.1}, {-0.5, 0.499}, {-0.001, 0.5}, {0.0, 1.0}}};
+  const Series permeability{{{-2.0, 0.25 * least}, {-0.5, 0.5 * least}, {-0.201, least}, {-0.2, 1.0}}};
+  return Retention(std::make_unique<RetentionTable>(saturation, permeability));
+}
+
+// Between two rows of even logarithms, which are 3 mm apart there, Phi would fall where k_r jumps.
+TEST(Retention, ThePotentialRisesThroughAJumpOfThePermeability) {
+  for (const double least : {0.2, 1e-3, 1e-6}) {
+    const Retention soil = jumping(least);
+    constexpr int steps = 40'000;
+    constexpr double from = -0.25, to = -0.15, h = (to - from) / steps;
+    double integral = 0.0;
+    for (int k = 0; k < steps; ++k) {
+      const double psi = from + (k + 0.5) * h;
+      EXPECT_GT(soil.potential(psi + 0.5 * h), soil.potential(psi - 0.5 * h)) << psi;
+      integral += h * soil.permeability(psi).value;
+    }
+    EXPECT_NEAR(soil.potential(to) - soil.potential(from), integral, 1e-6 * integral) << least;
+  }
+}
+
 TEST(Retention, OfASoilFromItsKeys) {
   Soil soil;
   EXPECT_EQ(retention_of(soil), nullptr);

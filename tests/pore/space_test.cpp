@@ -127,6 +127,27 @@ TEST(NetworkInSpace, CellsFillACylinderAndLeaveItsHole) {
   EXPECT_NEAR(area, 2.0 * pi * 0.8 * 0.3, 0.01 * 2.0 * pi * 0.8 * 0.3);
 }
 
+TEST(NetworkInSpace, NothingIsLostWhereSoilsMeetOnASlope) {
+  for (const double dx : {0.2, 0.1, 0.07}) {
+    Case scene = scene_in_space(sharp(0.4, 1e-4), block({0, 0, 0}, {1, 1, 1}), dx, 1.0);
+    scene.soils.push_back(scene.soils[0]);
+    Shape left, right;
+    left.kind = right.kind = Shape::Kind::polygon;
+    left.points = {{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.75, 0.0}, {0.0, 1.0, 0.0}};
+    right.points = {{0.5, 0.0, 0.0}, {1.4, 0.0, 0.0}, {1.4, 0.3, 0.0}, {0.5, 0.75, 0.0}};
+    left.along = right.along = {1};
+    left.to = right.to = 0.6;
+    scene.soils[0].shape = made(left, dx);
+    scene.soils[1].shape = made(right, dx);
+    scene.rains = {rain(plane({0, 0, 1}, {-0.5, 0, -1}), constant(1e-6))};
+    const Network net = make_network(scene);
+    double covered = 0.0;
+    for (const auto& s : net.segments) covered += s.level_area;
+    EXPECT_NEAR(covered, 1.4 * 0.6, 1e-6) << dx;
+    EXPECT_NEAR(sum(net.volume), (0.5 * 0.875 + 0.9 * 0.525) * 0.6, 1e-9) << dx;
+  }
+}
+
 TEST(NetworkInSpace, ASlitInTheSoilIsACutOff) {
   // 1 mm wide, from the top half-way down between two rows of points.
   const double dx = 0.1;

@@ -56,7 +56,8 @@ struct Biaxial {
     Soil weak = scene.soils[0];
     weak.cohesion *= 0.9;
     setup.models.push_back(make_constitutive(scene.solid.model, weak));
-    for (auto* array : {&setup.density, &setup.grain_density, &setup.grain_share}) array->push_back(array->front());
+    for (auto* array : {&setup.density, &setup.grain_density, &setup.grain_share, &setup.contact_volume})
+      array->push_back(array->front());
     setup.constant_volume.push_back(setup.constant_volume.front());
     setup.loose_friction.push_back(setup.loose_friction.front());
     setup.softened_by_water.push_back(setup.softened_by_water.front());

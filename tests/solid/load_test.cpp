@@ -1,4 +1,5 @@
 // The force of a load on a line is traction times length, however the line runs through the lattice of particles.
+#include "common/case/bodies.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -145,6 +146,66 @@ TEST(Load, IsBalancedByPressureRowByRow) {
     if (patch.normal.dot(solid.state().particles.position[i]) - patch.level > 0.15) continue;
     const double carried = solid.state().particles.volume[i] * solid.state().external.pressure_gradient[i].y();
     EXPECT_NEAR(load[i].y(), carried, 1e-9 * 1000.0);
+  }
+}
+
+/// A ball without weight under a pressure on all sides, or one eighth of it between rollers. Its radius is 1 m.
+Case pressed_ball(bool eighth) {
+  test::ColumnSpec spec;
+  spec.dimension = 3;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  spec.gravity = 0.0;
+  spec.spacing = eighth ? 0.1 : 0.2;
+  Case scene = test::column(spec);
+  Shape& ball = scene.soils[0].shape;
+  ball.kind = Shape::Kind::ball;
+  ball.radius = 1.0;
+  Shape around;
+  around.min = Point3::Constant(-2.0);
+  around.max = Point3::Constant(2.0);
+  if (eighth) {
+    Shape& part = ball.within.emplace_back();
+    part.max = Point3::Constant(2.0);
+    for (int d = 0; d < 3; ++d) {
+      Wall& wall = scene.walls.emplace_back();
+      wall.face = test::plane(Point3::Zero(), Point3::Unit(d));
+      wall.soil = Wall::ForSoil::roller;
+    }
+  }
+  Load& load = scene.loads.emplace_back();
+  load.face.within = around;
+  load.pressure = 1000.0;
+  make_solids(scene, {});
+  return scene;
+}
+
+// The forces of a pressure P on all sides do the work P dV in a uniform strain, whatever the surface.
+TEST(Load, OnAllSidesDoesTheWorkOfItsPressure) {
+  for (const bool eighth : {false, true}) {
+    Case scene = pressed_ball(eighth);
+    scene.solid.initial_rest = false;
+    const Solid<3> solid(scene);
+    const auto& p = solid.state().particles;
+    const auto force = load_forces<3>(solid.setup(), solid.state(), 0.0);
+    double work = 0.0, volume = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      work -= force[i].dot(p.position[i]);
+      volume += p.volume[i];
+    }
+    EXPECT_NEAR(work, 3.0 * 1000.0 * volume, 1e-9 * work);
+  }
+}
+
+// Hence the stress of elastic soil under it is uniform: minus the pressure.
+TEST(Load, OnAllSidesCompressesABallEvenly) {
+  Solid<3> solid(pressed_ball(true));
+  solid.initialise({});
+  const auto& p = solid.state().particles;
+  const double bulk = 3e6 / (3.0 * (1.0 - 2.0 * 0.3));
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    for (int k = 0; k < 6; ++k) EXPECT_NEAR(p.stress[i][k], k < 3 ? -1000.0 : 0.0, 3.0);
+    EXPECT_LT((p.displacement[i] + 1000.0 / (3.0 * bulk) * p.position[i]).norm(), 3e-3 * 1000.0 / (3.0 * bulk));
   }
 }
 

@@ -367,6 +367,37 @@ TEST(SoftEdges, CountAllOfThePlasticStrain) {
   }
 }
 
+TEST(Suspension, HasTheStressOfItsStrainFromTheContactOn) {
+  // Porosity 0.4 at first, contact at 0.376: at 0.6 / 0.624 of the initial volume.
+  auto [setup, state] = deforming_block<2>(Mat<2>{{0.0, 0.3}, {0.0, -1.0}}, SolidCase::Model::elastic);
+  const double contact = 0.6 / 0.624, dt = 1e-3, modulus = setup.models[0]->initial_moduli().constrained();
+  setup.contact_volume[0] = contact;
+  auto& p = state.particles;
+  const std::size_t middle = p.size() / 2;
+  const double initial = p.volume[middle];
+  for (int step = 0; step < 60; ++step) {
+    const double before = p.volume[middle] / initial, stress = p.stress[middle][1], shear = p.stress[middle][3];
+    strain<2>(setup, dt, dt, state);
+    const double now = p.volume[middle] / initial;
+    ASSERT_NEAR(now, std::pow(1.0 - dt, step + 1), 1e-12);
+    EXPECT_EQ(in_suspension(setup, p, middle), now > contact);
+    if (now > contact) {
+      EXPECT_EQ(p.stress[middle].norm(), 0.0);
+    } else if (before > contact) {
+      EXPECT_NEAR(p.stress[middle][1], -modulus * dt * (contact - now) / (before - now), 1e-9 * modulus * dt);
+    } else {
+      EXPECT_NEAR(p.stress[middle][1] - stress, -modulus * dt, 1e-2 * modulus * dt) << "the stress turns a little";
+      EXPECT_GT(p.stress[middle][3], shear);
+    }
+  }
+  EXPECT_LT(p.volume[middle], contact * initial);
+  // Grains that come apart again lose their stress.
+  set_velocity<2>(setup, state, [](const Vec<2>& x) { return Vec<2>(0.0, 1.0 * x[1]); });
+  for (int step = 0; step < 60; ++step) strain<2>(setup, dt, dt, state);
+  EXPECT_TRUE(in_suspension(setup, p, middle));
+  EXPECT_EQ(p.stress[middle].norm(), 0.0);
+}
+
 TEST(BulkViscosity, ResistsChangesOfVolumeAlone) {
   const Mat<2> shear{{0.3, -0.7}, {0.2, -0.3}}, swelling{{0.3, -0.7}, {0.2, 0.5}};
   for (const Mat<2>& gradient : {shear, swelling}) {

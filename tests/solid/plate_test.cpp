@@ -157,6 +157,95 @@ TEST(Plate, AllPlatesTogetherBearTheForcesOfAllImages) {
   }
 }
 
+/// A column of soil, 1 m wide, under two smooth lids that meet at x = `seam` [m]. The other of them can be a wall.
+Case two_lids(double seam, bool second_is_wall) {
+  constexpr double width = 1.0, height = 0.6;
+  ColumnSpec spec;
+  spec.width = width;
+  spec.height = height;
+  spec.spacing = 0.1;
+  spec.gravity = 0.0;
+  spec.base = Wall::ForSoil::roller;
+  Case scene = column(spec);
+  Plate right = lid(width, height), left = lid(width, height);
+  right.name = "right";
+  left.name = "left";
+  right.face.points = {{width, height, 0.0}, {seam, height, 0.0}};
+  left.face.points = {{seam, height, 0.0}, {0.0, height, 0.0}};
+  scene.plates = {right, left};
+  if (!second_is_wall) return scene;
+  scene.plates.pop_back();
+  Wall wall;
+  wall.face = left.face;
+  wall.soil = Wall::ForSoil::roller;
+  scene.walls.push_back(wall);
+  return scene;
+}
+
+// Between two lids that move alike, nothing distinguishes the seam from the rest of the soil: each bears the
+// oedometer's stress on its length, and none along it. The seam lies between two columns of particles, or on one.
+TEST(Plate, ThatContinuesAnotherBearsNoShear) {
+  constexpr double strain = 1e-3, height = 0.6;
+  for (const double seam : {0.5, 0.45}) {
+    Case scene = two_lids(seam, false);
+    for (Plate& plate : scene.plates) plate.speed = Series{{{0.0, 0.0}, {1.0, strain * height}, {2.0, 0.0}}};
+    Solid<2> solid(scene);
+    solid.initialise({});
+    run(solid, 2.0);
+    const double stress = -constrained * std::log1p(-strain);
+    const auto& plates = solid.state().particles.plates;
+    EXPECT_NEAR(plates[0].reaction.y() + plates[1].reaction.y(), stress, 1e-3 * stress);
+    EXPECT_NEAR(plates[0].reaction.y(), stress * (1.0 - seam), (seam == 0.5 ? 1e-3 : 0.06) * stress);
+    for (const auto& plate : plates) EXPECT_NEAR(plate.reaction.x(), 0.0, 1e-5 * stress);
+    for (const Tensor& s : solid.state().particles.stress) EXPECT_NEAR(s[1], -stress, 2e-3 * stress);
+  }
+}
+
+// The same where a wall continues the plate (soil that is pressed from the side by another plate).
+TEST(Plate, ThatContinuesAWallBearsNoShear) {
+  constexpr double strain = 1e-3, width = 1.0, height = 0.6;
+  Case scene = two_lids(0.5, true);
+  std::erase_if(scene.walls, [](const Wall& wall) { return wall.face.normal.x() > 0.5; });
+  scene.plates[0].displacement = Series{{{0.0, 0.0}}};
+  Plate side;
+  side.name = "side";
+  side.face.points = {{0.0, height, 0.0}, {0.0, 0.0, 0.0}};
+  side.speed = Series{{{0.0, 0.0}, {1.0, strain * width}, {2.0, 0.0}}};
+  scene.plates.push_back(side);
+  Solid<2> solid(scene);
+  solid.initialise({});
+  run(solid, 2.0);
+  const double stress = -ratio / (1.0 - ratio) * constrained * std::log1p(-strain);
+  EXPECT_NEAR(plate_of(solid).reaction.y(), 0.5 * stress, 1e-3 * stress);
+  EXPECT_NEAR(plate_of(solid).reaction.x(), 0.0, 1e-5 * stress);
+}
+
+// Moved by different ways and one of them rough, the plates give the soil what it gains.
+TEST(Plate, ThatContinuesAnotherBearsWithItAllThatTheSoilGains) {
+  for (const bool rough : {false, true}) {
+    Case scene = two_lids(0.5, false);
+    scene.walls.clear();
+    scene.solid.initial_velocity = {0.3, -0.2, 0.0};
+    if (rough) scene.plates[1].surface = Plate::Surface::rough;
+    for (std::size_t k = 0; k < 2; ++k) scene.plates[k].speed = Series{{{0.0, 0.02 * static_cast<double>(k + 1)}}};
+    Solid<2> solid(scene);
+    solid.initialise({});
+    for (int k = 0; k < 5; ++k) {
+      run(solid, solid.state().time + 0.005);
+      const auto& p = solid.state().particles;
+      Vec<2> all = Vec<2>::Zero(), size = all;
+      for (std::size_t i = 0; i < p.size(); ++i)
+        all += p.volume[i] * (solid.state().force[i].internal() + solid.state().force[i].stabilising());
+      for (const auto& plate : p.plates) {
+        all += plate.reaction;
+        size += plate.reaction.cwiseAbs();
+      }
+      EXPECT_GT(size.minCoeff(), 1.0);
+      EXPECT_LT(all.norm(), 1e-9 * size.norm()) << all.transpose();
+    }
+  }
+}
+
 TEST(Plate, UnderAForceComesToRestWhereTheSoilBearsIt) {
   constexpr double width = 0.4, height = 1.0, force = 1000.0;
   Case scene = weightless_column(0.05);

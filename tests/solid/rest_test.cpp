@@ -54,6 +54,20 @@ TEST(Rest, StartsFromEarthPressure) {
   EXPECT_LT(solid.counters().at("rest steps"), 0.5 * loaded.counters().at("rest steps"));
 }
 
+TEST(Rest, SoilThatIsNotAtRestStartsUnderItsEarthPressureToo) {
+  Case scene = column({});
+  scene.solid.initial_rest = false;
+  scene.soils[0].earth_pressure_at_rest = 0.8;
+  Solid<2> solid(scene);
+  solid.initialise({});
+  const auto& p = solid.state().particles;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    const double vertical = -weight * (1.0 - p.position[i].y());
+    EXPECT_LT((p.stress[i] - principal(0.8 * vertical, vertical, 0.8 * vertical)).norm(), 1e-9 * weight);
+    EXPECT_EQ(p.displacement[i].norm(), 0.0);
+  }
+}
+
 TEST(Rest, ReportsItsCriterion) {
   Solid<2> solid(column({}));
   solid.initialise({});

@@ -1,11 +1,13 @@
 // One window: momentum to rounding, tracking of the prediction, consolidation with an analytic partner, save and
 // restore to the bit.
 #include "common/core/error.hpp"
+#include "common/coupling/interrupt.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <numbers>
 #include <random>
@@ -384,6 +386,36 @@ TEST(SaveAndRestore, RepeatToTheBit) {
   }
 }
 
+/// Expects that the soil leaves a window of `interval` [s] where the process is to stop and the window's start is
+/// saved, and only there.
+void expect_to_be_given_up(Solid<2>& solid, double interval, const Inbox& inbox) {
+  const InterruptGuard guard;
+  Window window{.step = 0, .time = solid.state().time, .interval = interval, .saved = true};
+  solid.save();
+  const auto before = solid.state().particles.position;
+  std::raise(SIGTERM);
+  EXPECT_THROW(solid.advance(window, inbox), WindowGivenUp);
+  solid.restore();
+  EXPECT_EQ(solid.state().time, window.time);
+  EXPECT_EQ(solid.state().particles.position, before);
+  window.saved = false;
+  EXPECT_TRUE(solid.advance(window, inbox).accepted);
+  const InterruptGuard forgets;  // the signal
+}
+
+TEST(Signal, EndsAFollowedWindow) {
+  Solid<2> solid(column({}));
+  solid.initialise({});
+  expect_to_be_given_up(solid, 0.01, {});
+}
+
+TEST(Signal, EndsALongWindow) {
+  Solid<2> solid(wet_column());
+  solid.initialise(test::wet_inbox<2>(
+      solid, [](const Vec<2>&) { return 0.0; }, 0.0));
+  expect_to_be_given_up(solid, 1.0, test::wet_inbox<2>(solid, standing_water));
+}
+
 TEST(Errors, DivergenceNamesParticleStressAndTime) {
   ColumnSpec spec;
   Solid<2> solid(column(spec));
@@ -423,10 +455,10 @@ TEST(Frame, ShowsTheDocumentedFields) {
         << f.name;
     EXPECT_FALSE(f.unit.empty());
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure",
-                                             "water_force", "void_fraction", "degree_of_saturation", "coverage",
-                                             "accumulated_plastic_strain", "mobilised_friction", "pore_pressure_ratio",
-                                             "volume"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure", "water_force",
+                                      "void_fraction", "degree_of_saturation", "coverage", "accumulated_plastic_strain",
+                                      "mobilised_friction", "pore_pressure_ratio", "volume"}));
 }
 
 // Elastic soil that has settled under its weight is published in its position as the case draws it, unless it can flow;

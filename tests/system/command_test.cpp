@@ -127,17 +127,16 @@ TEST_F(CommandWithStandIns, WarningsAreShownCountedAndEndWithSix) {
 }
 
 TEST_F(CommandWithStandIns, DoubtsAboutTheCaseAreShown) {
-  const auto doubtful = changed_case("youngs_modulus = 3e6", "youngs_modulus = 3e6\nearth_pressure_at_rest = 0.5");
+  const auto doubtful = changed_case("[solid]", "[solid]\ninitial_seepage = true");
   const auto checked = poretwin({"check", doubtful.string(), "--set", "solid.initial_rest=false"});
   EXPECT_EQ(checked.exit, 0);
   EXPECT_THAT(checked.out, HasSubstr("sound, with warnings"));
-  EXPECT_THAT(checked.out,
-              HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect: solid.initial_rest = false"));
+  EXPECT_THAT(checked.out, HasSubstr("key 'solid.initial_seepage': has no effect: solid.initial_rest = false"));
   const auto ran = poretwin({"run", doubtful.string(), "--set", "solid.initial_rest=false", "--out", out().string(),
                              "--programs", PORETWIN_FAKES, "--no-pictures"});
   EXPECT_EQ(ran.exit, 0);
   EXPECT_THAT(ran.err, HasSubstr("has no effect: solid.initial_rest = false"));
-  EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("earth_pressure_at_rest"));
+  EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("initial_seepage"));
 }
 
 TEST_F(CommandWithStandIns, CheckNamesWhatNoMachineHolds) {
@@ -176,7 +175,7 @@ TEST_F(CommandWithStandIns, InterruptionEndsAllCleanly) {
     });
     EXPECT_EQ(outcome.exit, 130);
     EXPECT_LT(outcome.seconds, 5.0);
-    EXPECT_THAT(outcome.err, HasSubstr("stopping: the window under way is finished"));
+    EXPECT_THAT(outcome.err, HasSubstr("stopping: the window under way is given up"));
     EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("reason = \"interrupted"));
     EXPECT_TRUE(fs::is_empty(folder_ / "temporary"));
     fs::remove_all(out());

@@ -229,6 +229,18 @@ TEST(Metrics, MonotoneSeesReversalsAndOvershoot) {
   EXPECT_NEAR(judge(m, overshooting, 0).value, 0.01, 1e-12);
 }
 
+TEST(Metrics, TimeOfTheLargestIsThatOfAParabola) {
+  Gauges hill = sampled("g", [](double t) { return 1.0 - (t - 0.437) * (t - 0.437); });
+  const auto m = metric("time_of_largest", 0.4, 0.1);
+  EXPECT_NEAR(judge(m, hill, 0).value, 0.437, 1e-9);
+  EXPECT_TRUE(judge(m, hill, 0).passed) << "0.0925 of the reference off";
+  auto& series = hill["g"];  // readings at uneven times
+  series.time.erase(series.time.begin() + 44);
+  series.value.erase(series.value.begin() + 44);
+  EXPECT_NEAR(judge(m, hill, 0).value, 0.437, 1e-9);
+  EXPECT_THAT(judge(m, ramp, 0).complaint, testing::HasSubstr("is the first or the last"));
+}
+
 TEST(Metrics, MaxAbsDriftAndExceeds) {
   auto m = metric("max_abs", 0.5, 2.0);
   m.from = 0.2;
@@ -333,13 +345,10 @@ TEST_P(VerifyFile, IsSoundAsItsRunsAre) {
 INSTANTIATE_TEST_SUITE_P(Cases, VerifyFile, testing::ValuesIn(verified_cases()),
                          [](const auto& name) { return name.param; });
 
-/// The message on a verify.toml with this [[figure]].
-std::string said_of_figure(const std::string& lines) {
-  const auto path = std::filesystem::temp_directory_path() / fmt::format("poretwin-figure-{}.toml", ::getpid());
-  std::ofstream(path) << "[[run]]\nname = \"whole\"\n[[run]]\nname = \"other\"\n[[metric]]\nname = \"m\"\nop = "
-                         "\"max_abs\"\ngauge = \"g\"\n"
-                      << "[[figure]]\nname = \"one\"\n"
-                      << lines;
+/// The message on a verify.toml with these lines.
+std::string said_of(const std::string& lines) {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("poretwin-verify-{}.toml", ::getpid());
+  std::ofstream(path) << lines;
   std::string said;
   try {
     read_verify(path);
@@ -348,6 +357,28 @@ std::string said_of_figure(const std::string& lines) {
   }
   std::filesystem::remove(path);
   return said;
+}
+
+constexpr const char* a_metric = "[[metric]]\nname = \"m\"\nop = \"max_abs\"\ngauge = \"g\"\n";
+
+/// The message on a verify.toml with this [[figure]].
+std::string said_of_figure(const std::string& lines) {
+  return said_of(std::string("[[run]]\nname = \"whole\"\n[[run]]\nname = \"other\"\n") + a_metric +
+                 "[[figure]]\nname = \"one\"\n" + lines);
+}
+
+TEST(VerifyFiles, RunsAreNamedAsFoldersEachOnce) {
+  using testing::HasSubstr;
+  const auto said = [](const std::string& first, const std::string& second) {
+    return said_of("[[run]]\nhistories = 3\nname = \"" + first + "\"\n[[run]]\nname = \"" + second + "\"\n" + a_metric);
+  };
+  EXPECT_EQ(said("k 1e-3, 2 cm", "fine"), "");
+  EXPECT_EQ(said("a", "a.4"), "");
+  for (const std::string name : {"a/b", "/tmp/a", "../a", "..", ".", ""})
+    EXPECT_THAT(said("fine", name),
+                HasSubstr("run[1].name': expected the name of a folder without '/', found \"" + name));
+  EXPECT_THAT(said("fine", "fine"), HasSubstr("run[1].name': \"fine\" is the name of another [[run]], too"));
+  EXPECT_THAT(said("a", "a.3"), HasSubstr("\"a.3\" is the folder of history 3 of run \"a\""));
 }
 
 TEST(VerifyFiles, FiguresThatCannotBeDrawnAreNamed) {

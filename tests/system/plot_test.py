@@ -397,7 +397,7 @@ class Report(Folder):
     def test_it_has_section_drives_state_safety_balance_warnings_and_origin(self):
         page = self.made()
         headings = re.findall("<h2>(.*?)</h2>", page)
-        self.assertEqual(headings, ["Section", "What drives it", "The end: 3 days", "Factor of safety", "Gauges", "Balance", "Warnings", "Where it comes from"])
+        self.assertEqual(headings, ["Section", "Soils", "What drives it", "The end: 3 days", "Factor of safety", "Gauges", "Balance", "Warnings", "Where it comes from"])
         self.assertIn("<h1>A &lt;bold&gt; slope</h1>", page)
         self.assertIn("computed in 7200 s", page)
         self.assertIn("<td>sand &amp; gravel</td>", page)
@@ -423,6 +423,35 @@ class Report(Folder):
         for value, shown in ((lambda x: 1.0 + x[:, 1], True), (lambda x: np.full(len(x), np.nan), False)):
             write_phase(self.run_folder / "solid.vtkhdf", [(t, square()) for t in (0.0, 259200.0)], [("local_factor_of_safety", "1", lambda t, x: value(x))])
             self.assertEqual("local factor of safety, of the stress at each point, not of a slip surface" in self.made(), shown)
+
+    def test_it_has_the_parameters_of_materials_that_have_their_own(self):
+        clay = 'model = "modified_cam_clay"\ncompression_slope = 0.161\npreconsolidation_pressure = 82000\n'
+        grains = 'model = "mu_i"\nlimiting_friction = 0.73\ngrain_diameter = 0.002\n'
+        for keys, cells in ((clay, [0.161, 0.02, 1, 1, 82]), (grains, [0.38, 0.73, 0.279, 0.005, 2, 0, 0.585, 0.3333])):
+            text = SLOPE.replace("cohesion = 2000\n", keys)
+            self.case.write_text(text)
+            about = (self.run_folder / "run.toml").read_text()
+            (self.run_folder / "run.toml").write_text(re.sub('"case file" = ".*"', f'"case file" = "{report.fnv1a(text.encode()):016x}"', about)
+                                                      .replace('"soil.0.cohesion=3000"', ""))
+            self.assertIn("".join(f'<td class="number">{v:g}</td>' for v in cells), self.made())
+
+    def test_it_has_the_soils_of_a_body_in_three_dimensions(self):
+        text = SLOPE.replace("[case]", "[case]\ndimension = 3").replace('shape = "polygon"', 'shape = "box"')
+        text = re.sub(r"points = \[\[0, 0\], \[0.4.*", "min = [0, 0, 0]\nmax = [1, 1, 1]", text)
+        text = text.replace("points = [[0.2, 0.4], [0.4, 0]]", "point = [0, 0, 0]\nnormal = [0, 0, 1]")
+        self.case.write_text(text)
+        about = (self.run_folder / "run.toml").read_text()
+        (self.run_folder / "run.toml").write_text(re.sub('"case file" = ".*"', f'"case file" = "{report.fnv1a(text.encode()):016x}"', about))
+        page = self.made()
+        self.assertIn("<td>sand &amp; gravel</td>", page)
+        self.assertNotIn("<h2>Section</h2>", page)
+
+    def test_the_defaults_of_these_parameters_are_those_of_the_case(self):
+        documented = dict(re.findall(r"\n\| `(\w+)` \| number \|[^|]*\| ([\d.]+) \|", (ROOT / "docs/case-file.md").read_text()))
+        for parameters in report.OF_MODEL.values():
+            for key, _, _, _, default in parameters:
+                if default is not None:
+                    self.assertEqual(float(documented[key]), default, key)
 
     def test_a_case_that_has_changed_since_is_not_shown(self):
         self.case.write_text(SLOPE.replace("0.4", "0.5"))

@@ -3,9 +3,14 @@
 #include "common/core/file_lock.hpp"
 #include "tests/system/real_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 namespace poretwin::testing_tools {
 namespace {
@@ -190,6 +195,32 @@ TEST_F(RealRun, SafetyBracketsTheFactorAndListsItsTrials) {
   EXPECT_LT(written["stands"], written["fails"]);
   EXPECT_THAT(text_of(out() / "safety.csv"), HasSubstr("1,1,"));
   EXPECT_TRUE(fs::exists(out() / "F_1.0000" / "run.toml"));
+}
+
+/// Uniform suction in soil with a degree of saturation S acts as a cohesion of S gamma_w |psi| tan(phi) (Bishop 1959).
+TEST_F(RealRun, SuctionHoldsASlopeAsItsCohesionWould) {
+  const auto factor = [&](double cohesion, double grains, const std::string& water) {
+    const auto file = folder_ / "slope.toml";
+    std::ofstream(file) << fmt::format(
+        "[case]\nend_time = 1\n"
+        "[[soil]]\nshape = \"polygon\"\npoints = [[0, 0], [8, 0], [8, 1], [6, 1], [4, 3], [0, 3]]\n"
+        "porosity = 0.3\ngrain_density = {}\nhydraulic_conductivity = 1e-9\nyoungs_modulus = 50e6\n"
+        "cohesion = {}\nfriction_angle = 20\n{}"
+        "[[wall]]\npoints = [[0, 4], [0, 0]]\n[[wall]]\npoints = [[0, 0], [8, 0]]\nsoil = \"fixed\"\n"
+        "[[wall]]\npoints = [[8, 0], [8, 2]]\n[solid]\nmodel = \"mohr_coulomb\"\nparticle_spacing = 0.25\n",
+        grains, cohesion, water);
+    const auto outcome = poretwin({"safety", file.string(), "--out", out().string(), "--no-pictures", "--quiet",
+                                   "--tolerance", "0.02", "--json", (folder_ / "safety.json").string()});
+    EXPECT_EQ(outcome.exit, 0) << outcome.err;
+    return nlohmann::json::parse(text_of(folder_ / "safety.json"))["factor"].get<double>();
+  };
+  const double suction = 0.5 * 9810.0;  // Pa, S gamma_w times 1 m
+  const double wet = factor(2000.0, 2900.0,
+                            "retention = { model = \"gardner\", alpha = 0.6931472 }\n[fluid]\n"
+                            "representation = \"field\"\nparticle_spacing = 0.25\ninitial_pressure_head = -1\n"),
+               dry = factor(2000.0 + suction * std::tan(20.0 * std::numbers::pi / 180.0),
+                            2900.0 + 0.5 * 0.3 / 0.7 * 1000.0, "");
+  EXPECT_NEAR(wet, dry, 0.025);
 }
 
 /// A dam whose reservoir is filled, coarse, with readings of its factor of safety and frames every 432000 s.

@@ -83,7 +83,8 @@ class Tiles(unittest.TestCase):
         self.assertEqual(len(gauges[0]), len(gauges[1]))
 
     def test_stopped_goes_on_with_another_number_of_ranks(self):
-        end = ["--set", "case.end_time=0.6"]
+        # Finer than the other runs, so that it takes seconds and is still going when it is stopped.
+        end = ["--set", "case.end_time=0.6", "--set", "solid.particle_spacing=0.0025"]
         running = subprocess.Popen(self.command("run", *end, "--tiles", "2"), stderr=subprocess.PIPE, text=True)
         wait_for(lambda: (self.folder / "run" / "solid.vtkhdf").exists() and len(ranks_below(running.pid)) == 2)
         time.sleep(0.2)

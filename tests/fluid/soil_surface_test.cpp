@@ -1,0 +1,123 @@
+// The surface of soil under free water, with soil whose motion is given.
+#include "coupler/mapping.hpp"
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+/// Soil on a base that is compressed evenly at a given rate: a lattice of points with the coupler's own mapping.
+struct Compressed {
+  double width = 0.25, height = 1.0, spacing = 0.05;
+  double speed = 1e-3;  ///< m/s, of its surface
+  double porosity = 0.5, conductivity = 1e-3;
+  double time = 0.0;
+
+  double stretch() const { return 1.0 - speed * time / height; }
+  double top() const { return height * stretch(); }
+  double fraction() const { return (1.0 - porosity) / stretch(); }
+
+  coupling::Publication publish(std::uint64_t revision) const {
+    coupling::Publication out;
+    auto& p = out.points;
+    p.revision = revision;
+    const int reach = 4, across = static_cast<int>(std::lround(width / spacing)),
+              up = static_cast<int>(std::lround(height / spacing));
+    std::vector<double> row;  // undisturbed height
+    for (int active = 1; active >= 0; --active)
+      for (int j = -reach; j < up; ++j)
+        for (int i = -reach; i < across + reach; ++i) {
+          const bool inside = i >= 0 && i < across && j >= 0;
+          if (inside != (active == 1)) continue;
+          const double y = (j + 0.5) * spacing;
+          p.position.insert(p.position.end(), {(i + 0.5) * spacing, y * stretch()});
+          p.volume.push_back(spacing * spacing * stretch());
+          p.smoothing_length.push_back(1.3 * spacing);
+          p.owner.push_back(inside ? static_cast<double>(p.volume.size() - 1) : -1.0);
+          p.n_active += inside ? 1 : 0;
+          row.push_back(y);
+        }
+    const std::size_t n = p.size();
+    for (const auto& spec : coupling::standard_fields(coupling::Role::solid, 2)) {
+      const auto components = static_cast<std::size_t>(spec.components);
+      coupling::Field field{spec.name, spec.components, std::vector<double>(n * components, 0.0)};
+      for (std::size_t j = 0; j < n; ++j) {
+        if (spec.name == coupling::field::solid_velocity || spec.name == coupling::field::mean_solid_velocity)
+          field.values[2 * j + 1] = -speed * row[j] / height;
+        else if (spec.name == coupling::field::volumetric_strain_rate)
+          field.values[j] = -speed / (height * stretch());
+        else if (spec.name == coupling::field::solid_volume_fraction)
+          field.values[j] = fraction();
+        else if (spec.name == coupling::field::grain_density)
+          field.values[j] = 2650.0;
+        else if (spec.name == coupling::field::hydraulic_conductivity)
+          field.values[j] = conductivity;
+      }
+      out.fields.push_back(std::move(field));
+    }
+    return out;
+  }
+};
+
+TEST(SoilSurface, PassesTheWaterOfSoilThatIsCompressed) {
+  // n v + n_s s = 0 in the soil and v = 0 above, wherever the soil's surface stands among the rows of water. The
+  // gradient of the excess pressure is gamma_w s / k. With the mean of both sides at the surface, the free water beside
+  // it moves at more than 3 times the speed of the surface, and its level rises by 15 mm.
+  Compressed soil;
+  Case scene;
+  scene.fluid.particle_spacing = scene.solid.particle_spacing = soil.spacing;
+  scene.fluid.regions = {box(0.0, 0.0, soil.width, 1.3)};
+  Soil clay;
+  clay.shape = box(0.0, 0.0, soil.width, soil.height);
+  clay.porosity = soil.porosity;
+  clay.hydraulic_conductivity = soil.conductivity;
+  scene.soils = {clay};
+  scene.walls = {wall(line(0.0, 2.0, 0.0, 0.0)), wall(line(0.0, 0.0, soil.width, 0.0)),
+                 wall(line(soil.width, 0.0, soil.width, 2.0))};
+  Fluid<2> fluid(scene);
+  const auto mapping = coupling::make_mapping(2);
+  std::uint64_t step = 0;
+  const auto inbox = [&] {
+    const auto from = soil.publish(step + 1);
+    return mapping->map(coupling::Role::solid, from.points, from.fields,
+                        coupling::standard_fields(coupling::Role::solid, 2), fluid.publish().points);
+  };
+  fluid.initialise(inbox());
+  const double slope = 9810.0 * soil.speed / (soil.conductivity * soil.height);
+  double worst_pressure = 0.0, worst_speed = 0.0, highest = 0.0;
+  for (; soil.time < 80.0; ++step) {
+    const double dt = fluid.publish().proposed_interval;
+    fluid.advance({step, soil.time, dt}, inbox());
+    soil.time += dt;
+    if (soil.time < 2.0) continue;
+    const auto& p = fluid.state().particles;
+    const double top = soil.top();
+    double level = 0.0, above = 0.0;  // pressure of the free water
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (p.mask[a] == 0.0) {
+        level += p.pressure[a];
+        above += 1.0;
+        worst_speed = std::max(worst_speed, p.velocity[a].norm());
+      }
+    level /= above;
+    highest = std::max(highest, std::abs(level));
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const double y = p.position[a].y();
+      if (y > top) continue;
+      const double exact = slope / soil.stretch() * 0.5 * (top * top - y * y);
+      worst_pressure = std::max(worst_pressure, std::abs(p.pressure[a] - level - exact));
+    }
+  }
+  std::printf("pressure off by %.1f Pa, free water at most at %.2e m/s, its level off by %.1f mm, %d windows\n",
+              worst_pressure, worst_speed, highest / 9.81, static_cast<int>(step));
+  EXPECT_LT(worst_pressure, 0.2 * slope * soil.spacing);
+  EXPECT_LT(worst_speed, 2.5 * soil.speed);  // while a row passes the edge
+  EXPECT_LT(highest / 9810.0, 0.15 * soil.spacing);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
