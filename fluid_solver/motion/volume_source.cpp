@@ -23,26 +23,27 @@ namespace {
 /// window removes all of the initial divergence.
 ///
 /// Nothing is deferred in soil. Soil that falls on a floor closes the film of water under it within a millisecond. If
-/// the film could be compressed for the several milliseconds of a deferral, it would absorb the blow and return it. A
-/// particle half covered by soil defers half. The soil's motion in this divergence is that of the last solve's
-/// prediction: its difference from the actual motion is a source of its own (volume_source).
+/// the film could be compressed for the several milliseconds of a deferral, it would absorb the blow and return it. Nor
+/// is anything deferred beside soil, where the flux through the soil's edge (SoilEdge) determines the divergence, and
+/// not the pairs' means: of these a sink would remain in every window.
 template <int D>
 ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
                                 const SoilView<D>& view, double interval) {
   const auto& p = state.particles;
   ScalarArray deferred(p.size(), 0.0);
   if (setup.scheme != FluidCase::Scheme::projection || state.last_interval <= 0.0) return deferred;
+  const auto touches_soil = [&](std::size_t a) {
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && view.mask[q] > 0.0) return true;
+    return false;
+  };
   parallel_for(p.size(), [&](std::size_t a) {
     if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, p, view, a) &&
-        s.length(a) * s.normal[a].norm() > motion::even_surroundings)
-      deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
+        s.length(a) * s.normal[a].norm() > motion::even_surroundings && !touches_soil(a))
+      deferred[a] = std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
   if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
-  VecArray<D> flux(p.size());
-  parallel_for(p.size(), [&](std::size_t a) {
-    flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * p.solid_velocity[a];
-  });
-  const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
+  const ScalarArray outflow = divergence<D>(s, p.velocity, Carried::yes);
   parallel_for(p.size(), [&](std::size_t a) { deferred[a] *= outflow[a]; });
   return deferred;
 }

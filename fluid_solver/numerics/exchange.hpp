@@ -2,6 +2,7 @@
 // (untried) behind a test's name: the test has not yet been seen to fail when the number is halved or doubled.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace poretwin::fluid::exchange {
@@ -28,10 +29,15 @@ inline constexpr double outside_asymmetry = 0.63;
 /// Unit: 1. Test: none known.
 inline constexpr double ramp_width = 0.32;
 
-/// Growth of that asymmetry with the distance outside a flat edge. It is nearly constant: from 0.47 at the edge to 2 at
-/// the last neighbour, 2.6 spacings of the soil away.
-/// Unit: 1 per spacing of the soil. Test: SoilSurface.PassesTheWaterOfSoilThatIsCompressed (untried).
-inline constexpr double asymmetry_per_spacing = 0.59;
+/// The asymmetry as a polynomial of the distance outside a flat edge: a fit to sums over lattices in 2D and 3D with a
+/// smoothing length of 1.2 spacings, from half a spacing inside to one spacing outside.
+/// Unit: 1, per spacing of the soil, per its square. Test: SoilSurface.TellsHowFarAPlaceIsFromIt.
+inline constexpr std::array<double, 3> asymmetry_outside{0.482, 0.64, 0.14};
+
+/// Water beside tight soil that moves slips past it where the soil covers it by more than this and it lies less than
+/// half in the soil. A single point of soil covers water within the ramp of the asymmetry by less (0.19 to 0.28): there
+/// is no edge then, and the water drags. Unit: 1. Test: SoilSurface.WaterSlipsPastAnEdgeButDragsASinglePoint.
+inline constexpr double least_edge = 0.28;
 
 /// Smoothing length of the sums (67) and (74) of Bui & Nguyen (2017), who use the same value and kernel (cubic spline).
 /// Unit: spacings of the soil. Test: Seepage.SmoothedDragIsAsStrongAsItsKernelSum (untried).

@@ -25,7 +25,7 @@ struct EdgePair {
   [[nodiscard]] double lead() const { return ends ? (theirs - own) / (own + theirs) : 0.0; }
 };
 
-/// The pairs at the edge of soil that rests or moves slowly (docs/theory/coupling.md). Where the flux is continuous
+/// The pairs at the edge of soil under free water (docs/theory/coupling.md). Where the flux is continuous
 /// through the edge, flux and pressure there follow from the two halves of each pair:
 ///
 ///   F = [R_a U_a + R_q U_q - (p_q - p_a)/r] / (R_a + R_q),      p_e = p_a + r R_a (U_a - F)
@@ -36,11 +36,11 @@ template <int D>
 class SoilEdge {
  public:
   SoilEdge() = default;
-  /// mobility [n]: kf, m4/(N s). moves [n]: soil that moves as a whole with its water, whose edge is treated otherwise.
-  /// free_resistance: of free water per length, rho / dt [N s/m4]. presses(a): whether the skeleton at a responds.
+  /// mobility [n]: kf, m4/(N s). free_resistance: of free water per length, rho / dt [N s/m4]. presses(a): whether the
+  /// skeleton at a responds.
   template <class Mobility, class Presses>
-  SoilEdge(const Stencil<D>& s, const SoilView<D>& soil, const Mobility& mobility, std::span<const char> moves,
-           double free_resistance, const Presses& presses)
+  SoilEdge(const Stencil<D>& s, const SoilView<D>& soil, const Mobility& mobility, double free_resistance,
+           const Presses& presses)
       : s_(&s) {
     if (!soil.outside.is_allocated()) return;
     const std::size_t n = s.n_real;
@@ -57,6 +57,8 @@ class SoilEdge {
     for (std::size_t a = 0; a < n; ++a)
       if (near[a] != 0) particles_.push_back(a);
     into_soil_.assign(n, Vec<D>::Zero());
+    missing_along_.assign(n, 0.0);
+    more_along_.assign(n, 0.0);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
       Vec<D> normal = Vec<D>::Zero();
@@ -64,18 +66,22 @@ class SoilEdge {
         if (const Index q = s.parent[s.other[k]]; q < n) normal += (soil.mask[q] - soil.mask[a]) * weight(a, k);
       if (!normal.isZero(0.0)) into_soil_[a] = normal.normalized();
     });
+    free_.resize(n);
+    for (std::size_t a = 0; a < n; ++a) free_[a] = soil.fraction[a] <= 0.0;
     pairs_.resize(particles_.size());
     push_.assign(n, 0.0);
+    steeper_.assign(n, 1.0);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k], q = s.parent[j];
-        if (q >= n || moves[a] != 0 || moves[q] != 0 || (soil.mask[a] >= 1.0 && soil.mask[q] >= 1.0) ||
+        if (q >= n || (soil.mask[a] >= 1.0 && soil.mask[q] >= 1.0) ||
             (soil.fraction[a] <= 0.0 && soil.fraction[q] <= 0.0))
           continue;
-        const auto& pair = pairs_[i].emplace_back(made(a, k, soil, mobility, free_resistance));
-        if (pair.ends && presses(a)) push_[a] += pushed(a, pair);
+        pairs_[i].push_back(made(a, k, soil, mobility, free_resistance));
       }
+      if (presses(a)) find_push(a, pairs_[i]);
+      if (soil.fraction[a] <= 0.0) find_missing(a, pairs_[i]);
     });
   }
 
@@ -102,30 +108,80 @@ class SoilEdge {
   }
 
   /// Adds to the divergence of a flux, formed with the means of both sides, that the flux through the edge is the one
-  /// of the less mobile side.
+  /// of the less mobile side. Along the edge water slips past the soil: a flux there counts on its own side only.
   void add_to_divergence(std::span<const Vec<D>> flux, std::span<double> divergence) const {
     for_pairs([&](std::size_t a, const EdgePair& pair) {
-      if (pair.ends)
-        divergence[a] += pair.lead() * (s_->correction_open(a) * weight(a, pair.k)).dot(seen(pair.j, flux) - flux[a]);
+      if (!pair.ends) return;
+      const Vec<D> w = s_->correction_open(a) * weight(a, pair.k), jump = seen(pair.j, flux) - flux[a];
+      divergence[a] += w.dot((1.0 + pair.lead()) * across(a, jump) - jump);
+    });
+    parallel_for(particles_.size(), [&](std::size_t i) {
+      const std::size_t a = particles_[i];
+      if (missing_along_[a] <= 0.0) return;
+      double sum = 0.0;
+      for_free_pairs(i, [&](Index k, Index j) {
+        const Vec<D> jump = seen(j, flux) - flux[a];
+        sum += (s_->correction_open(a) * weight(a, k)).dot(jump - across(a, jump));
+      });
+      divergence[a] += missing_along_[a] * sum;
+    });
+  }
+  /// Adds to the divergence of the flux that the water carries that the flux at the window's start is continuous
+  /// through the edge: the free water there moved with the soil. before [n]: flux at the window's start [m/s].
+  void add_start(std::span<const Vec<D>> before, std::span<double> divergence) const {
+    for_pairs([&](std::size_t a, const EdgePair& pair) {
+      if (!pair.ends) return;
+      const Vec<D> jump = across(a, seen(pair.j, before) - before[a]);
+      const double part = pair.lead() > 0.0 ? 1.0 - pair.lead() : -1.0 - pair.lead();
+      divergence[a] += part * (s_->correction_open(a) * weight(a, pair.k)).dot(jump);
     });
   }
   /// Adds to the gradient of a pressure, formed with the means of both sides, that the pressure at the edge acts on the
-  /// skeleton.
+  /// skeleton, at the edge's distance: exact for a pressure that is linear in the soil.
   void add_to_gradient(std::span<const double> p, std::span<Vec<D>> gradient) const {
-    for_pairs([&](std::size_t a, const EdgePair& pair) {
-      if (!presses(a) || !pair.ends) return;
-      const double share = pair.own * pair.mobility() / std::max(0.5, pair.inside);
-      gradient[a] += (share - 1.0) * (p[s_->parent[pair.j]] - p[a]) * (s_->correction[a] * weight(a, pair.k));
+    parallel_for(particles_.size(), [&](std::size_t i) {
+      const std::size_t a = particles_[i];
+      if (!presses(a)) return;
+      for (const auto& pair : pairs_[i])
+        if (pair.ends)
+          gradient[a] += (pair.own * pair.mobility() - 1.0) * (p[s_->parent[pair.j]] - p[a]) *
+                         (s_->correction[a] * weight(a, pair.k));
+      gradient[a] += (steeper_[a] - 1.0) * across(a, gradient[a]);
     });
   }
-  /// Adds to the flux that the pressure drives what the pairs conduct beyond the harmonic mean of their mobilities.
+  /// Adds to the flux that the pressure drives what the pairs conduct beyond the harmonic mean of their mobilities, and
+  /// what pairs with the soil do not conduct along the edge.
   template <class Mobility>
   void add_to_flux(std::span<const double> p, const Mobility& mobility, std::span<Vec<D>> flux) const {
-    for_pairs([&](std::size_t a, const EdgePair& pair) {
-      const Index q = s_->parent[pair.j];
-      const double beyond = pair.mobility() - harmonic(mobility(a), mobility(q));
-      flux[a] += beyond * (p[q] - p[a]) * (s_->correction[a] * weight(a, pair.k));
+    parallel_for(particles_.size(), [&](std::size_t i) {
+      const std::size_t a = particles_[i];
+      for (const auto& pair : pairs_[i]) {
+        const Index q = s_->parent[pair.j];
+        const double beyond = pair.mobility() - harmonic(mobility(a), mobility(q));
+        flux[a] += beyond * (p[q] - p[a]) * (s_->correction[a] * weight(a, pair.k));
+      }
+      if (missing_along_[a] <= 0.0) return;
+      Vec<D> sum = Vec<D>::Zero();
+      for_free_pairs(i,
+                     [&](Index k, Index j) { sum += (p[s_->parent[j]] - p[a]) * (s_->correction[a] * weight(a, k)); });
+      flux[a] += missing_along_[a] * mobility(a) * (sum - across(a, sum));
     });
+  }
+  /// Factor on the conductance of a pair of particles of free water, of which pairs with the soil leave a part out
+  /// along the edge.
+  [[nodiscard]] double conductance(std::size_t a, Index k) const {
+    const Index j = s_->other[k], q = s_->parent[j];
+    if (more_along_[a] == 0.0 && more_along_[q] == 0.0) return 1.0;
+    const Vec<D> ba = s_->position[j] - s_->position[a];
+    const Vec<D> theirs = j < s_->n_base ? ba : Vec<D>(s_->map[j - s_->n_base].transpose() * ba);
+    return 1.0 +
+           0.5 * (more_along_[a] * along_square(a, ba) + more_along_[q] * along_square(q, theirs)) / ba.squaredNorm();
+  }
+  /// Calls take(a, k) for every pair of particles of free water beside the edge.
+  template <class Take>
+  void for_free_pairs(const Take& take) const {
+    parallel_for(particles_.size(),
+                 [&](std::size_t i) { for_free_pairs(i, [&](Index k, Index) { take(particles_[i], k); }); });
   }
   /// Adds to the flux of free water that it follows a change of the soil's flux [m/s].
   void follow(std::span<const Vec<D>> change, std::span<Vec<D>> flux) const {
@@ -138,6 +194,37 @@ class SoilEdge {
   }
 
  private:
+  /// Part of a vector across the edge at particle a.
+  [[nodiscard]] Vec<D> across(std::size_t a, const Vec<D>& x) const { return into_soil_[a].dot(x) * into_soil_[a]; }
+  [[nodiscard]] double along_square(std::size_t a, const Vec<D>& x) const { return (x - across(a, x)).squaredNorm(); }
+  template <class Take>
+  void for_free_pairs(std::size_t i, const Take& take) const {
+    const std::size_t a = particles_[i];
+    if (!free_[a]) return;
+    for (Index k = s_->offset[a]; k < s_->offset[a + 1]; ++k) {
+      const Index j = s_->other[k], q = s_->parent[j];
+      if (q < s_->n_real && free_[q] && j != a) take(k, j);
+    }
+  }
+  /// What the pairs of free water at a with the soil leave out of the moment along the edge.
+  void find_missing(std::size_t a, const std::vector<EdgePair>& pairs) {
+    double all = 0.0, left = 0.0, shape = 0.0;
+    for (Index k = s_->offset[a]; k < s_->offset[a + 1]; ++k) {
+      const Index j = s_->other[k], q = s_->parent[j];
+      if (q >= s_->n_real || j == a) continue;
+      const Vec<D> r = s_->position[j] - s_->position[a];
+      const double along = along_square(a, r), factor = s_->gradient_factor[k];
+      all += factor * along;
+      if (free_[q]) shape += factor * along * along / r.squaredNorm();
+    }
+    for (const auto& pair : pairs)
+      if (pair.ends)
+        left +=
+            static_cast<double>(s_->gradient_factor[pair.k]) * along_square(a, s_->position[pair.j] - s_->position[a]);
+    if (!(left > 0.0) || !(all > left) || !(shape > 0.0)) return;
+    missing_along_[a] = std::min(left / (all - left), 1.0);
+    more_along_[a] = std::min(left / shape, 1.0);
+  }
   [[nodiscard]] Vec<D> weight(std::size_t a, std::size_t k) const {
     return static_cast<double>(s_->gradient_factor[k]) * (s_->position[s_->other[k]] - s_->position[a]);
   }
@@ -165,12 +252,20 @@ class SoilEdge {
     return {static_cast<std::size_t>(k), j,      own ? in_soil : in_water,
             own ? in_water : in_soil,    inside, soil.fraction[a] <= 0.0 || soil.fraction[q] <= 0.0};
   }
-  /// A pair's part of `push`: the free water between the edge and the other particle moves with the soil.
-  [[nodiscard]] double pushed(std::size_t a, const EdgePair& pair) const {
+  /// How free water presses the skeleton of particle a: between the edge and the other particles it moves with the
+  /// soil.
+  void find_push(std::size_t a, const std::vector<EdgePair>& pairs) {
     const Vec<D>& n = into_soil_[a];
-    const double across = n.dot(s_->position[pair.j] - s_->position[a]);
-    return n.dot(s_->correction[a] * n) * static_cast<double>(s_->gradient_factor[pair.k]) * across * across *
-           pair.own * pair.theirs * pair.mobility() / std::max(0.5, pair.inside);
+    double sum = 0.0, beyond = 0.0;  // beyond: part of the moment across the edge that lies beyond the edge
+    for (const auto& pair : pairs) {
+      if (!pair.ends) continue;
+      const double distance = n.dot(s_->position[pair.j] - s_->position[a]),
+                   moment = n.dot(s_->correction[a] * weight(a, pair.k)) * distance;
+      beyond += (1.0 - pair.inside) * moment;
+      sum += moment * pair.own * pair.theirs * pair.mobility();
+    }
+    steeper_[a] = 1.0 / (1.0 - std::clamp(beyond, 0.0, 0.5));
+    push_[a] = std::max(0.0, sum) * steeper_[a];
   }
 
   const Stencil<D>* s_ = nullptr;
@@ -178,6 +273,11 @@ class SoilEdge {
   std::vector<std::vector<EdgePair>> pairs_;  ///< of each of them
   VecArray<D> into_soil_;                     ///< [n]
   ScalarArray push_;                          ///< [n]
+  ScalarArray steeper_;                       ///< [n] factor on the gradient across the edge: pairs end there
+  std::vector<char> free_;                    ///< [n] whether no soil covers the particle
+  /// [n] What pairs of free water with the soil leave out of the moment along the edge, over what is left; and the
+  /// factor on the squared direction cosine along the edge that conducts it.
+  ScalarArray missing_along_, more_along_;
 };
 
 }  // namespace poretwin::fluid

@@ -178,6 +178,10 @@ class WindowSolver {
     parallel_for(n_, [&](std::size_t a) { flux[a] = carried(a); });
     ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
     edge_.add_to_divergence(flux, sources);
+    if (!edge_.empty()) {
+      parallel_for(n_, [&](std::size_t a) { flux[a] = flux_before(a); });
+      edge_.add_start(flux, sources);
+    }
     if (in_.sweeps > 0) parallel_for(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
     parallel_for(n_, [&](std::size_t a) {
       sources[a] = s_.volume[a] * (in_.source[a] - sources[a]);
@@ -186,25 +190,11 @@ class WindowSolver {
     return sources;
   }
 
-  /// Whether a particle lies in soil that moves together with its water. Only where the regimes are given.
-  [[nodiscard]] bool in_motion(std::size_t a) const {
-    return soil_.mask[a] > 0.5 && responds(a) && in_.in_seepage[a] == 0;
-  }
-  /// Finds the edge of soil under free water. Where the soil moves as a whole the pairs are left as they are
-  /// (free_beside_moving_soil).
+  /// Finds the edge of soil under free water.
   void find_edge() {
     if (!soil_.outside.is_allocated() || !in_.inertia) return;
-    std::vector<char> moves(n_, 0);
-    if (!in_.in_seepage.empty()) {
-      parallel_for(n_, [&](std::size_t a) {
-        bool found = in_motion(a);
-        for (Index k = s_.offset[a]; k < s_.offset[a + 1] && !found && soil_.mask[a] > 0.0 && soil_.mask[a] <= 0.5; ++k)
-          if (const Index q = s_.parent[s_.other[k]]; q < n_) found = in_motion(q);
-        moves[a] = found ? 1 : 0;
-      });
-    }
     edge_ = SoilEdge<D>(
-        s_, soil_, [&](std::size_t a) { return q_[a].kf; }, moves, in_.density / in_.interval,
+        s_, soil_, [&](std::size_t a) { return q_[a].kf; }, in_.density / in_.interval,
         [&](std::size_t a) { return responds(a); });
   }
   void conduct_at_edge() {
@@ -212,34 +202,17 @@ class WindowSolver {
       const double weight = fluid_.weight[pair.k];
       if (weight != 0.0) set_weight(a, pair.k, weight * pair.mobility() / harmonic(q_[a].kf, q_[s_.parent[pair.j]].kf));
     });
+    edge_.for_free_pairs([&](std::size_t a, Index k) {
+      if (fluid_.weight[k] != 0.0F) set_weight(a, k, static_cast<double>(fluid_.weight[k]) * edge_.conductance(a, k));
+    });
   }
 
-  /// Whether a pair joins free water and soil that moves together with its water. Their flux is the mean of both sides,
-  /// of which the soil's moves with the skeleton. The pressure therefore acts on half of the free water's mobility. A
-  /// harmonic mean of the mobilities would be right only for a skeleton at rest.
-  [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
-    return (soil_.mask[a] <= 0.5 && in_motion(q)) || (soil_.mask[q] <= 0.5 && in_motion(a));
-  }
   /// Sets the weight of pair k in row a, and adds the change to the diagonal, so that the row's sum remains the same.
   void set_weight(std::size_t a, std::size_t k, double weight) {
     const double before = fluid_.weight[k];
     fluid_.weight[k] = static_cast<float>(weight);
     fluid_.diagonal[a] += fluid_.weight[k] - before;
   }
-  void free_beside_moving_soil() {
-    if (in_.in_seepage.empty()) return;
-    beside_moving_.assign(n_, 0);
-    parallel_for(n_, [&](std::size_t a) {
-      for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k) {
-        const Index q = s_.parent[s_.other[static_cast<Index>(k)]];
-        if (q >= n_ || fluid_.weight[k] == 0.0F || !beside_moving_soil(a, q)) continue;
-        beside_moving_[a] = 1;
-        const double both = q_[a].kf + q_[q].kf;
-        set_weight(a, k, static_cast<double>(fluid_.weight[k]) * 0.25 * both * both / (q_[a].kf * q_[q].kf));
-      }
-    });
-  }
-
   /// Makes the Laplacian with the water's mobility and, where a skeleton responds, also those with the skeleton's
   /// mobility and with mobility 1.
   void make_laplacians() {
@@ -251,7 +224,6 @@ class WindowSolver {
       fluid_ = std::move(matrices[0]);
       skeleton_ = std::move(matrices[1]);
       plain_ = std::move(matrices[2]);
-      free_beside_moving_soil();
       conduct_at_edge();
     } else if (in_.beds) {
       conduct_in_beds(mobility);
@@ -1233,13 +1205,7 @@ class WindowSolver {
       flux = pressure_gradient<D>(
           s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, own, Vec<D>(-in_.weight),
           [&](std::size_t a) { return surface_pressure(a); });
-      if (any_response_)
-        parallel_for(n_, [&](std::size_t a) {
-          if (!beside_moving_.empty() && beside_moving_[a] && soil_.mask[a] <= 0.5)
-            flux[a] = q_[a].kf * out.gradient[a];
-        });
-      else
-        free_along_interfaces<D>(s_, own, soil_.mask, flux);
+      if (!any_response_) free_along_interfaces<D>(s_, own, soil_.mask, flux);
       if (!edge_.empty()) flow_past_edge(out, flux);
     }
     if (!cells_.empty()) flow_in_beds(out, flux);
@@ -1283,10 +1249,9 @@ class WindowSolver {
   };
   std::vector<ClosedBody> closed_;
   bool any_response_ = false, all_closed_ = false, any_cavitating_ = false;
-  std::vector<char> beside_moving_;  ///< [n] 1: free water beside moving soil, or that soil; empty: nothing moves
-  std::vector<bool> cavitating_;     ///< [n] whether the pressure is fixed at the cavitation pressure
-  VecArray<D> flow_;                 ///< [n] N, see prepare_flow
-  BeddedCells<D> cells_;             ///< empty where the soil has no beds
+  std::vector<bool> cavitating_;              ///< [n] whether the pressure is fixed at the cavitation pressure
+  VecArray<D> flow_;                          ///< [n] N, see prepare_flow
+  BeddedCells<D> cells_;                      ///< empty where the soil has no beds
   std::vector<Index> link_offset_{0}, link_;  ///< pairs of the matrix where the soil has beds
   PairMatrix fluid_, skeleton_, plain_;
   MatArray<D> stretch_;  ///< [n] S of even_out_directions

@@ -1,5 +1,6 @@
 // The surface of soil under free water, with soil whose motion is given.
 #include "coupler/mapping.hpp"
+#include "fluid_solver/exchange/soil_view.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -36,7 +37,7 @@ struct Compressed {
           const double y = (j + 0.5) * spacing;
           p.position.insert(p.position.end(), {(i + 0.5) * spacing, y * stretch()});
           p.volume.push_back(spacing * spacing * stretch());
-          p.smoothing_length.push_back(1.3 * spacing);
+          p.smoothing_length.push_back(1.2 * spacing);
           p.owner.push_back(inside ? static_cast<double>(p.volume.size() - 1) : -1.0);
           p.n_active += inside ? 1 : 0;
           row.push_back(y);
@@ -62,6 +63,71 @@ struct Compressed {
     return out;
   }
 };
+
+/// Water particles at given places, as the mapping takes them.
+coupling::PointSet points_at(std::span<const Vec<2>> places, double spacing) {
+  coupling::PointSet points;
+  points.dimension = 2;
+  points.revision = 1;
+  points.n_active = places.size();
+  for (const auto& place : places) {
+    points.position.insert(points.position.end(), {place.x(), place.y()});
+    points.owner.push_back(static_cast<double>(points.volume.size()));
+    points.volume.push_back(spacing * spacing);
+    points.smoothing_length.push_back(1.3 * spacing);
+  }
+  return points;
+}
+
+TEST(SoilSurface, TellsHowFarAPlaceIsFromIt) {
+  // From half a spacing inside to one spacing outside, wherever the place is along the surface.
+  const Compressed soil;
+  const auto from = soil.publish(1);
+  const auto specs = coupling::standard_fields(coupling::Role::solid, 2);
+  std::vector<double> distance;  // spacings
+  VecArray<2> places;
+  for (double along : {0.0, 0.2, 0.5})
+    for (double d = -0.5; d <= 1.0; d += 0.125) {
+      distance.push_back(d);
+      places.push_back(Vec<2>(2.0 + along, soil.height / soil.spacing + d) * soil.spacing);
+    }
+  const auto inbox = coupling::make_mapping(2)->map(coupling::Role::solid, from.points, from.fields, specs,
+                                                    points_at(places, soil.spacing));
+  for (std::size_t a = 0; a < distance.size(); ++a)
+    EXPECT_NEAR(distance_outside(inbox.asymmetry[a], soil.spacing), distance[a] * soil.spacing, 0.02 * soil.spacing)
+        << distance[a];
+}
+
+TEST(SoilSurface, WaterSlipsPastAnEdgeButDragsASinglePoint) {
+  // Tight soil that moves: a flat edge a fifth of a spacing below the water, and one point half a spacing beside it.
+  Compressed soil;
+  soil.speed = 1.0;
+  Case scene;
+  scene.fluid.particle_spacing = scene.solid.particle_spacing = soil.spacing;
+  scene.fluid.regions = {box(0.0, 0.0, soil.width, 1.3)};
+  Soil clay;
+  clay.shape = box(0.0, 0.0, soil.width, soil.height);
+  clay.porosity = soil.porosity;
+  clay.hydraulic_conductivity = soil.conductivity;
+  scene.soils = {clay};
+  const fluid::Setup<2> setup(scene, {});
+  const auto specs = coupling::standard_fields(coupling::Role::solid, 2);
+  const auto drag_at = [&](const coupling::Publication& from, const Vec<2>& place) {
+    const auto inbox = coupling::make_mapping(2)->map(coupling::Role::solid, from.points, from.fields, specs,
+                                                      points_at(std::vector{place}, soil.spacing));
+    const std::vector<double> before{0.3};
+    const SeepageRegime regime{1000.0, 1e-3, false};
+    return mapped_soil<2>(setup, inbox, inbox.asymmetry, before, regime).drag[0];
+  };
+  auto from = soil.publish(1);
+  EXPECT_EQ(drag_at(from, Vec<2>(2.5, 20.2) * soil.spacing), 0.0);
+  // Of all points only the one in the middle of the top row is left where it is.
+  const Vec<2> point = Vec<2>(2.5, 19.5) * soil.spacing;
+  for (std::size_t i = 0; i < from.points.size(); ++i)
+    if ((Vec<2>(from.points.position[2 * i], from.points.position[2 * i + 1]) - point).norm() > 1e-9)
+      from.points.position[2 * i] += 100.0 + 10.0 * static_cast<double>(i);
+  EXPECT_GT(drag_at(from, point + Vec<2>(0.0, 0.5 * soil.spacing)), 1e5);
+}
 
 TEST(SoilSurface, PassesTheWaterOfSoilThatIsCompressed) {
   // n v + n_s s = 0 in the soil and v = 0 above, wherever the soil's surface stands among the rows of water. The
