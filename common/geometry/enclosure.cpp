@@ -309,12 +309,7 @@ class Flood {
 
   /// Whether soil or water lies on both sides of the line somewhere.
   [[nodiscard]] bool through_ground(const Point3& a, const Point3& b) const {
-    const auto ground = [&](const Point3& x) {
-      return std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                         [&](const Soil& soil) { return contains(soil.shape, x, dimension_); }) ||
-             std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
-                         [&](const Shape& region) { return contains(region, x, dimension_); });
-    };
+    const auto ground = [&](const Point3& x) { return soil_at(scene_, x) || in_fluid_region(scene_, x); };
     const Point3 aside = 0.25 * size_ * Point3(a.y() - b.y(), b.x() - a.x(), 0.0).normalized();
     constexpr int parts = 20;
     for (int k = 1; k < parts; ++k) {
