@@ -37,14 +37,14 @@ class Doubts : Complaints {
     rows_at_an_angle();
     for (auto& line : doubtful_wall_edges(scene_, places_)) lines_.push_back(std::move(line));
     if (scene_.has_water()) faces_never_wet();
-    if (scene_.has_water() && !scene_.is_field() && !scene_.is_both()) {
+    if (scene_.has_water() && !scene_.has_field()) {
       no_water();
       piles_of_one_row();
       faces_that_end_on_walls();
       narrow_water();
     }
     if (scene_.is_both()) narrow_water();
-    if (!scene_.is_field() && !scene_.is_both()) few_rows();
+    if (!scene_.has_field()) few_rows();
     if (scene_.is_field() && d_ == 3) faces_that_end_in_soil();
     loose_tolerance();
     without_effect();
