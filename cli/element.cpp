@@ -3,6 +3,7 @@
 #include "cli/json_output.hpp"
 #include "cli/run_folder.hpp"
 #include "cli/script.hpp"
+#include "cli/text_file.hpp"
 #include "common/case/case.hpp"
 #include "common/case/materials.hpp"
 #include "common/core/error.hpp"
@@ -14,7 +15,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -82,12 +82,10 @@ std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, st
   return row;
 }
 
-void write(const fs::path& path, const ElementResult& result) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << fmt::format("{}\n", fmt::join(result.names, ","));
-  for (const auto& row : result.rows) stream << fmt::format("{:.9g}\n", fmt::join(row, ","));
-  stream.close();
-  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
+std::string table_of(const ElementResult& result) {
+  std::string text = fmt::format("{}\n", fmt::join(result.names, ","));
+  for (const auto& row : result.rows) text += fmt::format("{:.9g}\n", fmt::join(row, ","));
+  return text;
 }
 
 }  // namespace
@@ -152,7 +150,7 @@ ElementResult run_element(const ElementOptions& options) {
     result.failure = failure.what;
   }
   fs::create_directories(options.out);
-  write(options.out / "element.csv", result);
+  write_file(options.out / "element.csv", table_of(result));
   if (options.pictures) {
     const fs::path log = options.out / "element.log";
     if (run_script("cli/element.py", {(options.out / "element.csv").string(), "--test", options.test}, log) != 0)
