@@ -382,6 +382,10 @@ struct Gauge {
   double thickness = 0.0;       ///< m, "front" of the soil: least thickness; 0: the outermost particle
   double every = 0.0;           ///< s, "factor_of_safety": time between readings
   std::optional<Shape> region;  ///< for "volume", "momentum", ...: part that counts; absent: all
+  /// Whether a gauge of vectors reads component d: all do, but one of kind "momentum" with a quantity ("momentum_y").
+  [[nodiscard]] bool reads_component(int d) const {
+    return kind != "momentum" || quantity.empty() || quantity.back() == "xyz"[d];
+  }
 };
 
 struct Case {
