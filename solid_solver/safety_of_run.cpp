@@ -71,13 +71,7 @@ OutputFrame shown(const Setup<D>& setup, const State<D>& state, const FactorOfSa
   std::erase_if(frame.fields, [](const OutputField& field) {
     return field.name == "velocity" || field.name == "water_force";  // a stored state does not have them
   });
-  frame.fields.push_back({{"failing_strain", "1",
-                           "plastic strain of the soil that fails, its strength divided by the "
-                           "factor of safety",
-                           1},
-                          write_scalars([&found](std::size_t i) {
-                            return i < found.failing_strain.size() ? found.failing_strain[i] : 0.0;
-                          })});
+  frame.fields.push_back(failing_strain_field(found.failing_strain, "the factor of safety"));
   frame.fields.push_back({{"failing_displacement", "m", "displacement of the soil that fails, likewise", 3},
                           write_vectors_by<D>([&found](std::size_t i) -> Vec<D> {
                             if (i < found.failing_displacement.size()) return found.failing_displacement[i];

@@ -71,6 +71,11 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
   return frame;
 }
 
+OutputField failing_strain_field(const ScalarArray& strain, const std::string& factor) {
+  return {{"failing_strain", "1", "plastic strain of the soil that fails, its strength divided by " + factor, 1},
+          write_scalars([&strain](std::size_t i) { return i < strain.size() ? strain[i] : 0.0; })};
+}
+
 template <int D>
 std::map<std::string, double> counters_of(const State<D>& state, const RestReport& rest) {
   return {{"particles", static_cast<double>(state.particles.size())},
