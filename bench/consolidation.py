@@ -66,13 +66,13 @@ def two_phases(k, rows, step, end):
     ])
     inverse = np.linalg.inv(system)
     u, v, w, load = np.zeros(rows), np.zeros(rows), np.zeros(rows), np.r_[np.zeros(rows - 1), -LOAD]
-    t, told = step * np.arange(1, round(end / step) + 1), []
+    t, history = step * np.arange(1, round(end / step) + 1), []
     for _ in t:
         rest = np.r_[width @ v * (grains * GRAINS / step) - stiffness @ u + load, width @ w * (POROSITY * WATER / step), np.zeros(rows)]
         v, w, p = np.split(inverse @ rest, 3)
         u = u + step * v
-        told.append((-u[-1] * MODULUS / (LOAD * HEIGHT), p[0] / LOAD))
-    return t, *np.array(told).T
+        history.append((-u[-1] * MODULUS / (LOAD * HEIGHT), p[0] / LOAD))
+    return t, *np.array(history).T
 
 
 def check():

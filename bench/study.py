@@ -144,7 +144,7 @@ def pair_rate(program):
     return text and float(next(line for line in text.splitlines() if "one pair at a time" in line).split("|")[2])
 
 
-def told_by(program, name, title):
+def table_of(program, name, title):
     """The page's section with the output of one kernel's benchmark, and its rows; a note where the benchmark has not been built."""
     text = printed_by(program, name)
     if text is None:
@@ -251,9 +251,9 @@ def main():
     parser.add_argument("--page", action="store_true", help="put page and pictures into docs/")
     parser.add_argument("--program", default="poretwin", help=argparse.SUPPRESS)
     a = parser.parse_args()
-    measures = {"jobs": lambda: job_table(a, jobs), "kernels": lambda: told_by(a.program, "pair_loops", "Pair loops"),
+    measures = {"jobs": lambda: job_table(a, jobs), "kernels": lambda: table_of(a.program, "pair_loops", "Pair loops"),
                 "sizes": lambda: size_table(a),
-                "solve": lambda: told_by(a.program, "multigrid_timing", "The pressure solve against size"),
+                "solve": lambda: table_of(a.program, "multigrid_timing", "The pressure solve against size"),
                 "coupling": lambda: coupling_table(a), "skipped": lambda: skipping_table(a)}
     measures |= {case: lambda case=case, study=study: measure_study(a, case, study) for case, study in studies.items()}
     if unknown := [part for part in a.parts if part not in measures]:

@@ -103,7 +103,7 @@ def draw(options):
             raise Stop(WRONG_COMMAND, f"--{name} does not go with --animate, which shows all frames in {path}")
     if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
         raise Stop(NO_FILE, "an MP4 needs the program ffmpeg, of the package ffmpeg; or write a GIF")
-    pictures = plot.asked(options.run, options)
+    pictures = plot.requested_pictures(options.run, options)
     if not pictures:
         raise plot.nothing_to_draw(options.run, options)
     scene = Scene(pictures)

@@ -26,7 +26,7 @@ ParticleCount count(const Case& scene) {
   const auto count = [&](const Shape& shape) {
     result.fluid += fill<D>(shape, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
   };
-  if (scene.is_field() || scene.is_both())
+  if (scene.has_field())
     for (const auto& soil : scene.soils) count(soil.shape);
   if (!scene.is_field())
     for (const auto& region : f.regions) count(region);

@@ -12,6 +12,7 @@
 #include "cli/script.hpp"
 #include "cli/verify.hpp"
 #include "common/case/case.hpp"
+#include "common/case/materials.hpp"
 #include "common/core/error.hpp"
 #include "common/core/exit_codes.hpp"
 #include "common/coupling/curve_keys.hpp"
@@ -201,6 +202,18 @@ int bench(const Arguments& a, const CLI::App& command, JsonOutput& json) {
   }
   json.write(all);
   return exit;
+}
+
+/// Writes the report of a run. The script gets the defaults of the materials' own keys, which it shows for soils whose
+/// case leaves them out: {"mu_i": {"static_friction": 0.38, ..}, ..}.
+int report(const CLI::App& command) {
+  nlohmann::json defaults = nlohmann::json::object();
+  for (const Material& material : materials())
+    for (const MaterialKey& key : material.keys)
+      defaults[std::string(material.name)][std::string(key.name)] = key.standard;
+  auto words = words_of(command);
+  words.insert(words.end(), {"--material-defaults", defaults.dump()});
+  return run_script("cli/report.py", words);
 }
 
 /// Declares all commands; parsing sets `action` to the chosen one.
@@ -404,7 +417,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
       "report", "An engineer's report of a run as one page: section, state, gauges, safety, balance, warnings");
   report_command->add_option("RUN", a.words, "folder of a run")->required()->expected(1)->type_name("");
   word(report_command, "--out", "FILE", "FILE.html or FILE.pdf (default: RUN/report.html); a PDF needs chromium");
-  does(report_command, [report_command] { return run_script("cli/report.py", words_of(*report_command)); });
+  does(report_command, [report_command] { return report(*report_command); });
 
   auto* view_command = app.add_subcommand("view", "Look at runs, finished or under way, in a browser");
   view_command->add_option("RUN", a.words, "folder of a run, or a folder with runs below it (default: runs)")

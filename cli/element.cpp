@@ -3,6 +3,7 @@
 #include "cli/json_output.hpp"
 #include "cli/run_folder.hpp"
 #include "cli/script.hpp"
+#include "cli/text_file.hpp"
 #include "common/case/case.hpp"
 #include "common/case/materials.hpp"
 #include "common/core/error.hpp"
@@ -14,7 +15,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -25,18 +25,19 @@ namespace {
 using solid::Element;
 using solid::LaboratoryTest;
 
-/// Finds a soil by its name or its number in the case; the first soil where `asked` is empty.
-std::size_t soil_number(const Case& scene, const std::string& asked) {
+/// Finds a soil by its name or its number in the case; the first soil where `requested` is empty.
+std::size_t soil_number(const Case& scene, const std::string& requested) {
   if (scene.soils.empty())
     throw CaseError(fmt::format("{}: key 'soil': expected a soil to be tested, found none", scene.path.string()));
-  if (asked.empty()) return 0;
+  if (requested.empty()) return 0;
   std::string names;
   for (std::size_t i = 0; i < scene.soils.size(); ++i) {
     const std::string& name = scene.soils[i].name;
-    if (name == asked || fmt::format("{}", i) == asked) return i;
+    if (name == requested || fmt::format("{}", i) == requested) return i;
     names += fmt::format("{}{}{}", i > 0 ? ", " : "", i, name.empty() ? "" : fmt::format(" (\"{}\")", name));
   }
-  throw CaseError(fmt::format("--soil {}: {} has no such soil; expected one of {}", asked, scene.path.string(), names));
+  throw CaseError(
+      fmt::format("--soil {}: {} has no such soil; expected one of {}", requested, scene.path.string(), names));
 }
 
 /// Refuses an initial stress that would change before the first strain, because the soil does not bear it or because
@@ -82,12 +83,10 @@ std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, st
   return row;
 }
 
-void write(const fs::path& path, const ElementResult& result) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << fmt::format("{}\n", fmt::join(result.names, ","));
-  for (const auto& row : result.rows) stream << fmt::format("{:.9g}\n", fmt::join(row, ","));
-  stream.close();
-  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
+std::string table_of(const ElementResult& result) {
+  std::string text = fmt::format("{}\n", fmt::join(result.names, ","));
+  for (const auto& row : result.rows) text += fmt::format("{:.9g}\n", fmt::join(row, ","));
+  return text;
 }
 
 }  // namespace
@@ -125,8 +124,8 @@ ElementResult run_element(const ElementOptions& options) {
   const auto variables = model->state_variables();
   for (const auto& variable : variables)
     result.names.push_back(variable.name + (variable.unit == "1" ? "" : "_" + variable.unit));
-  const auto tell = [&] { result.rows.push_back(row_of(sample, test, variables.size())); };
-  tell();
+  const auto add_row = [&] { result.rows.push_back(row_of(sample, test, variables.size())); };
+  add_row();
   const bool by_load = !options.loads.empty();
   const double sign = test.shears ? 1.0 : -1.0;  // compression is positive in a laboratory test
   const solid::Tensor& s = sample.stress();
@@ -142,7 +141,7 @@ ElementResult run_element(const ElementOptions& options) {
           sample.load_to(test, sign * (at + step * k));
         else
           sample.strain_by(test, sign * step, duration(step));
-        tell();
+        add_row();
       }
       at = to;
     }
@@ -152,7 +151,7 @@ ElementResult run_element(const ElementOptions& options) {
     result.failure = failure.what;
   }
   fs::create_directories(options.out);
-  write(options.out / "element.csv", result);
+  write_file(options.out / "element.csv", table_of(result));
   if (options.pictures) {
     const fs::path log = options.out / "element.log";
     if (run_script("cli/element.py", {(options.out / "element.csv").string(), "--test", options.test}, log) != 0)

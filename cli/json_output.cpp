@@ -1,5 +1,6 @@
 #include "cli/json_output.hpp"
 
+#include "cli/text_file.hpp"
 #include "common/core/error.hpp"
 #include "common/output/build_info.hpp"
 
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -34,10 +34,7 @@ void JsonOutput::write(const Json& json) {
   // File names may contain any bytes.
   text_ = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   if (file_ == "-") return;
-  std::ofstream stream(file_, std::ios::binary);
-  stream << text_;
-  stream.close();
-  if (!stream) throw FileError(fmt::format("{}: cannot be written", file_));
+  write_file(file_, text_);
 }
 
 void JsonOutput::finish() {

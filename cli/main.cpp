@@ -2,6 +2,9 @@
 #include "cli/commands.hpp"
 #include "common/core/error.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -36,10 +39,21 @@ void open_json(JsonOutput& json, const std::vector<std::string>& words) {
       return json.open(words[0], words[k + 1]);
 }
 
+/// Parses the command line. Names unexpected arguments in the order in which they were given; CLI11 lists them from the
+/// last to the first.
+void parse(CommandLine& line, int argc, char** argv) {
+  try {
+    line.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    throw CLI::ExtrasError(fmt::format("not expected: {}", fmt::join(line.remaining(true), " ")),
+                           CLI::ExitCodes::ExtrasError);
+  }
+}
+
 int command(int argc, char** argv, JsonOutput& json) {
   CommandLine line(json);
   try {
-    line.parse(argc, argv);
+    parse(line, argc, argv);
   } catch (const CLI::ParseError& error) {
     if (line.exit(error) == 0) return 0;
     open_json(json, {argv + 1, argv + argc});

@@ -436,7 +436,7 @@ def gauge_figure(run, names, title, series, marks=()):
     return figure
 
 
-def asked(run, options):
+def requested_pictures(run, options):
     """Frames, phase and field of each requested picture."""
     found = []
     for phase in [options.phase] if options.phase else ["fluid", "solid"]:
@@ -470,7 +470,7 @@ def nothing_to_draw(run, options):
 def draw_run(options, out):
     """Draws fields and gauges of one run."""
     run = options.run
-    pictures = [] if options.gauge and not options.field else asked(run, options)
+    pictures = [] if options.gauge and not options.field else requested_pictures(run, options)
     if not pictures and (options.field or options.phase or options.time):
         raise nothing_to_draw(run, options)
     for frames, phase, name in pictures:

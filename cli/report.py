@@ -32,14 +32,15 @@ SOILS = ["#e2d6c2", "#cbbfa9", "#d9cfe0", "#c9d8c5", "#e8cfc4", "#d5d5d5", "#efe
 PROPERTIES = [("porosity", "n", "", 1), ("hydraulic_conductivity", "k", "m/s", 1), ("youngs_modulus", "E", "MPa", 1e-6), ("poissons_ratio", "ν", "", 1),
               ("cohesion", "c", "kPa", 1e-3), ("friction_angle", "φ", "°", 1), ("dilation_angle", "ψ", "°", 1),
               ("undrained_shear_strength", "s_u", "kPa", 1e-3), ("grain_density", "ρ_s", "kg/m³", 1)]
-# Parameters that only one material has: key, heading, unit, factor, default value (None: the case gives one, or there is none).
+# Parameters that only one material has: key, heading, unit, factor.
 OF_MODEL = {
-    "modified_cam_clay": [("compression_slope", "λ", "", 1, 0.1), ("swelling_slope", "κ", "", 1, 0.02), ("critical_state_slope", "M", "", 1, 1.0),
-                          ("overconsolidation_ratio", "OCR", "", 1, 1.0), ("preconsolidation_pressure", "p_c", "kPa", 1e-3, None)],
-    "mu_i": [("static_friction", "μ_s", "", 1, 0.38), ("limiting_friction", "μ_2", "", 1, 0.64), ("inertial_number", "I_0", "", 1, 0.279),
-             ("viscous_number", "J_0", "", 1, 0.005), ("grain_diameter", "d", "mm", 1e3, None), ("dilatancy", "K_ψ", "", 1, 0.0),
-             ("critical_solid_fraction", "φ_c", "", 1, 0.585), ("inertial_loosening", "b", "", 1, 1 / 3)],
+    "modified_cam_clay": [("compression_slope", "λ", "", 1), ("swelling_slope", "κ", "", 1), ("critical_state_slope", "M", "", 1),
+                          ("overconsolidation_ratio", "OCR", "", 1), ("preconsolidation_pressure", "p_c", "kPa", 1e-3)],
+    "mu_i": [("static_friction", "μ_s", "", 1), ("limiting_friction", "μ_2", "", 1), ("inertial_number", "I_0", "", 1), ("viscous_number", "J_0", "", 1),
+             ("grain_diameter", "d", "mm", 1e3), ("dilatancy", "K_ψ", "", 1), ("critical_solid_fraction", "φ_c", "", 1), ("inertial_loosening", "b", "", 1)],
 }
+# The default of this key, 0, is no pressure: it means that the pressure follows from another key.
+LEFT_OPEN = {"preconsolidation_pressure"}
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title><style>
 body {{ font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }}
@@ -251,8 +252,8 @@ def draw_section(page, run):
     page.figure(figure, f"As drawn in the case; water levels at the end ({style.time(run.end, run.unit)}).")
 
 
-def tabulate_soils(page, run):
-    """Writes the soils' properties, then those of each material that has parameters of its own."""
+def tabulate_soils(page, run, defaults):
+    """Writes the soils' properties, then those of each material that has parameters of its own. defaults: value by material and key."""
     soils = [(soil, soil.get("model", run.case.get("solid", {}).get("model", ""))) for soil in run.case.get("soil", [])]
 
     def heading(symbol, unit):
@@ -267,10 +268,11 @@ def tabulate_soils(page, run):
         head = ["soil", "model"] + [heading(symbol, unit) for _, symbol, unit, _ in PROPERTIES]
         page.table([[row[i] for i in keep] for row in rows], [head[i] for i in keep])
     for name, parameters in OF_MODEL.items():
-        rows = [[soil.get("name", ""), model] + [scaled(soil.get(key, default), factor) for key, _, _, factor, default in parameters]
+        standard = {key: value for key, value in defaults.get(name, {}).items() if key not in LEFT_OPEN}
+        rows = [[soil.get("name", ""), model] + [scaled(soil.get(key, standard.get(key)), factor) for key, _, _, factor in parameters]
                 for soil, model in soils if model == name]
         if rows:
-            page.table(rows, ["soil", "model"] + [heading(symbol, unit) for _, symbol, unit, _, _ in parameters])
+            page.table(rows, ["soil", "model"] + [heading(symbol, unit) for _, symbol, unit, _ in parameters])
 
 
 def draw_drives(page, run):
@@ -461,7 +463,7 @@ def write_origin(page, run):
                  float(s["cpu_s"]), float(s["memory_bytes"]) / 1e6] for s in run.summaries], head)
 
 
-def make(folder):
+def make(folder, material_defaults):
     """The report page of a run, as text."""
     run, page = Run(folder), Page()
     title = run.case.get("case", {}).get("title") or run.about.get("case", folder.name)
@@ -472,7 +474,7 @@ def make(folder):
     page.add(f'<p class="about">{html.escape(str(run.about.get("case", "")))}, {style.time(run.end, run.unit)} computed in '
              f'{style.time(run.about.get("wall_s", 0.0))}; <span{doubt}>{html.escape(ended)}</span></p>')
     draw_section(page, run)
-    tabulate_soils(page, run)
+    tabulate_soils(page, run, material_defaults)
     draw_drives(page, run)
     if run.frames:
         draw_state(page, run)
@@ -501,12 +503,13 @@ def main():
     parser = argparse.ArgumentParser(prog="poretwin report", description="An engineer's report of a run: one HTML page, or a PDF.")
     parser.add_argument("run", metavar="RUN", type=pathlib.Path, help="folder of a run")
     parser.add_argument("--out", type=pathlib.Path, metavar="FILE", help="FILE.html or FILE.pdf (default: RUN/report.html)")
+    parser.add_argument("--material-defaults", type=json.loads, default={}, help=argparse.SUPPRESS)  # {material: {key: value}}, from the program
     options = parser.parse_args()
     target = options.out or options.run / "report.html"
     if target.suffix not in (".html", ".pdf"):
         raise Stop(WRONG_COMMAND, f"{target}: expected a name that ends in .html or .pdf")
     style.use(**{"savefig.bbox": "standard"})
-    text = make(options.run)
+    text = make(options.run, options.material_defaults)
     if target.suffix == ".pdf":
         print_pdf(text, target)
     else:

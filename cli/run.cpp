@@ -8,6 +8,7 @@
 #include "cli/ranks.hpp"
 #include "cli/run_folder.hpp"
 #include "cli/script.hpp"
+#include "cli/text_file.hpp"
 #include "common/case/case.hpp"
 #include "common/case/identity.hpp"
 #include "common/case/programs.hpp"
@@ -260,10 +261,7 @@ void write_run_file(const RunOptions& options, const RunIdentity& identity, cons
   }
   text += "\n# A run that is resumed must have these in common with it.\n[identity]\n";
   for (const auto& [name, value] : identity) text += fmt::format("{} = {}\n", toml_text(name), toml_text(value));
-  std::ofstream stream(options.out / "run.toml", std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw FileError(fmt::format("{}: cannot be written", (options.out / "run.toml").string()));
+  write_file(options.out / "run.toml", text);
 }
 
 /// Text such as "computing 1.2 s, waiting 0.3 s", largest first; sums that round to zero are left out.

@@ -3,6 +3,7 @@
 #include "cli/json_output.hpp"
 #include "cli/run_folder.hpp"
 #include "cli/script.hpp"
+#include "cli/text_file.hpp"
 #include "common/case/case.hpp"
 #include "common/case/materials.hpp"
 #include "common/core/error.hpp"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -100,13 +100,6 @@ class Search {
   Safety safety_;
 };
 
-void write(const fs::path& path, const std::string& text) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
-}
-
 std::string listed(const std::vector<SafetyTrial>& trials) {
   std::string text =
       "# Strength divided by the factor: does the soil come to rest?\nfactor,stands,steps,residual,displacement_m\n";
@@ -172,9 +165,9 @@ Safety find_safety(const RunOptions& options, double tolerance) {
   clear_trials(options.out);
   Safety safety = Search(options, tolerance).run();
   if (safety.run.exit != 0) return safety;
-  write(options.out / "safety.csv", listed(safety.trials));
-  write(options.out / "gauges.csv",
-        fmt::format("time_s,gauge,value,unit\n0,factor_of_safety,{:.6g},1\n", safety.factor()));
+  write_file(options.out / "safety.csv", listed(safety.trials));
+  write_file(options.out / "gauges.csv",
+             fmt::format("time_s,gauge,value,unit\n0,factor_of_safety,{:.6g},1\n", safety.factor()));
   if (options.pictures) {
     const fs::path log = options.out / "plot.log";
     if (draw_pictures({safety.failing.string(), "--phase", "solid", "--field", "accumulated_plastic_strain", "--out",

@@ -381,8 +381,8 @@ class Broker::Implementation {
                             reject->reason.empty() ? "" : "; ", reject->reason),
                 500);
       say_of_stranger("refused " + what);
-      constexpr std::size_t most_told = 2000;
-      if (refused_.size() < most_told) refused_ += (refused_.empty() ? "" : ", ") + what;
+      constexpr std::size_t longest = 2000;
+      if (refused_.size() < longest) refused_ += (refused_.empty() ? "" : ", ") + what;
       answer_stranger(line, std::move(*reject));
       hub_.regard(line, Hub::Standing::refused);
       return;

@@ -154,9 +154,9 @@ template <int D>
   }
 }
 
-/// In the lanes `asked`, limits interpolated values of four columns to the range of the neighbours' values.
+/// In the lanes `limited`, limits interpolated values of four columns to the range of the neighbours' values.
 [[gnu::always_inline]] inline void cut_at_range(std::span<const Index> near, const Quad* weight, const double* values,
-                                                Size width, const LaneMask& asked, Quad* total) {
+                                                Size width, const LaneMask& limited, Quad* total) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   std::array<Quad, columns_at_once> low, high;
   for (Size q = 0; q < columns_at_once; ++q) {
@@ -175,7 +175,7 @@ template <int D>
     Lanes kept = total[q].v;
     max_in_place(kept, low[q].v);
     min_in_place(kept, high[q].v);
-    total[q].v = asked ? kept : total[q].v;
+    total[q].v = limited ? kept : total[q].v;
   }
 }
 
@@ -260,7 +260,7 @@ void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std
 
 /// Computes coverage and asymmetry at the points of a block.
 template <int D>
-[[gnu::always_inline]] inline void tell_surroundings(const typename PairBlocks<D>::Block& block, const Moments<D>& m,
+[[gnu::always_inline]] inline void find_surroundings(const typename PairBlocks<D>::Block& block, const Moments<D>& m,
                                                      Interpolation& out) {
   Lanes asymmetry{};
   for (Size a = 0; a < D; ++a) asymmetry += m.wr[a].v * m.wr[a].v;
@@ -333,7 +333,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
         if (near.empty()) continue;  // all values remain 0 there
         Moments<D> whole;
         for (Size c = 0; c < near.size(); ++c) add<D>(whole, weight[c].v, nodes[near[c]], x);
-        tell_surroundings<D>(block, whole, out);
+        find_surroundings<D>(block, whole, out);
         for (Size g = 0; g < groups.size(); ++g) {
           const auto& columns = packed[g];
           if (columns.n == 0) continue;

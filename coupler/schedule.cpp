@@ -72,7 +72,7 @@ class Schedule::Implementation {
     }
   }
 
-  void note_waiting(const std::string& whom) { tell_progress(whom, false); }
+  void note_waiting(const std::string& whom) { report_progress(whom); }
 
   ScheduleReport report() const {
     ScheduleReport out = report_;
@@ -212,7 +212,7 @@ class Schedule::Implementation {
       clock_.accept(plan, !refused.empty() ? refused
                           : shorter        ? instant
                                            : (by_fluid ? "the fluid: " : "the solid: ") + cause);
-      tell_progress("", clock_.finished());
+      report_progress("");
       return;
     }
   }
@@ -432,7 +432,7 @@ class Schedule::Implementation {
     return std::make_shared<const Snapshot>(std::move(snapshot));
   }
 
-  void tell_progress(const std::string& waiting_for, bool) {
+  void report_progress(const std::string& waiting_for) {
     if (progress_) progress_({clock_.time(), clock_.end(), step_, plan_.interval, waiting_for});
   }
 

@@ -59,7 +59,7 @@ std::string handshake(Examiner& solver) {
 
 std::string refusal(Examiner& solver) {
   solver.hello();
-  solver.tell(Reject{RejectCode::field, "pore_pressure", "unit Pa", "unit kPa", 0.0, ""});
+  solver.send(Reject{RejectCode::field, "pore_pressure", "unit Pa", "unit kPa", 0.0, ""});
   solver.expect_exit(static_cast<int>(ExitCode::peer), "REJECT");
   return "leaves with exit code 3";
 }
@@ -67,7 +67,7 @@ std::string refusal(Examiner& solver) {
 std::string another_protocol(Examiner& solver) {
   solver.hello();
   solver.foreign_major() = protocol_major + 1;
-  solver.tell(Welcome{1.0, 30.0});
+  solver.send(Welcome{1.0, 30.0});
   solver.expect_exit(static_cast<int>(ExitCode::peer), "a WELCOME of another protocol");
   return "leaves with exit code 3";
 }
@@ -157,7 +157,7 @@ std::string resume(Examiner& solver) {
 std::string abort_run(Examiner& solver) {
   solver.begin();
   solver.window(everywhere);
-  solver.tell(Abort{"fluid", "the conformance suite tries it", ExitCode::diverged});
+  solver.send(Abort{"fluid", "the conformance suite tries it", ExitCode::diverged});
   solver.expect_exit(static_cast<int>(ExitCode::diverged), "ABORT with exit code 4");
   return "leaves with the exit code that ABORT brought";
 }

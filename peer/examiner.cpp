@@ -108,7 +108,7 @@ Message Examiner::next(const std::string& awaited) {
                                std::chrono::duration<double>(heartbeat).count())};
     if (welcomed_ && Clock::now() - beat_ >= heartbeat) {
       beat_ = Clock::now();
-      tell(Heartbeat{"waiting", "", 0.0, false});
+      send(Heartbeat{"waiting", "", 0.0, false});
     }
   }
   throw Failed{fmt::format("{} did not come within {} s", awaited, patience.count())};
@@ -122,7 +122,7 @@ void Examiner::send(Message message) {
   hub_->send(line_, encode(std::move(message)));
 }
 
-void Examiner::tell(Body body) {
+void Examiner::send(Body body) {
   Message message = message_of(std::move(body), step_);
   message.iteration = iteration_;
   message.time = time_;
@@ -152,7 +152,7 @@ const Hello& Examiner::hello() {
 }
 
 void Examiner::welcome() {
-  tell(Welcome{std::chrono::duration<double>(heartbeat).count(), 30.0});
+  send(Welcome{std::chrono::duration<double>(heartbeat).count(), 30.0});
   welcomed_ = true;
   beat_ = Clock::now();
 }
@@ -257,7 +257,7 @@ void Examiner::window(const Sight& sight) {
     const auto reject = advance(interval, sight);
     iteration_ = 0;
     if (!reject) return;
-    tell(Restore{reject->reason});
+    send(Restore{reject->reason});
     after_restore_ = true;
     ++iteration_;
     interval = std::min(0.5 * interval, reject->suggested_interval);
@@ -280,7 +280,7 @@ void Examiner::restore() {
 }
 
 void Examiner::checkpoint(const std::string& name, const std::vector<std::string>& keep) {
-  tell(CheckpointOrder{name, keep});
+  send(CheckpointOrder{name, keep});
   const Message answer = next("CHECKPOINT_WRITTEN");
   const auto* written = std::get_if<CheckpointWritten>(&answer.body);
   if (!written || written->name != name)
@@ -296,7 +296,7 @@ void Examiner::resume(const std::string& name, const Examiner& before) {
   take_publication("WELCOME", 0.0);
   step_ = before.step_;
   time_ = before.time_;
-  tell(Resume{name});
+  send(Resume{name});
   after_restore_ = true;
   take_publication("RESUME", time_);
 }
@@ -317,7 +317,7 @@ int Examiner::idle(Milliseconds time) {
     if (closed_) throw Failed{"it left while the coupler was silent but for its heartbeats"};
     if (Clock::now() - beat_ >= heartbeat) {
       beat_ = Clock::now();
-      tell(Heartbeat{"waiting", hello_.role == "fluid" ? "solid" : "fluid", 0.0, false});
+      send(Heartbeat{"waiting", hello_.role == "fluid" ? "solid" : "fluid", 0.0, false});
     }
   }
   return heartbeats_ - beats;
@@ -334,7 +334,7 @@ void Examiner::interrupt() {
 }
 
 void Examiner::finish(const std::string& reason) {
-  tell(Finish{reason, true, true});
+  send(Finish{reason, true, true});
   const Message message = next("BYE");
   if (!std::holds_alternative<Bye>(message.body)) throw Failed{"expected BYE after FINISH, got " + describe(message)};
 }

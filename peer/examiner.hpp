@@ -52,7 +52,7 @@ class Examiner {
   /// Counts the heartbeats that arrive within this time; any other message is a fault.
   int idle(coupling::Milliseconds time);
   /// Sends a message without arrays.
-  void tell(coupling::Body body);
+  void send(coupling::Body body);
   void expect_exit(int code, const std::string& after);
   void hang_up() { hub_.reset(); }
   void interrupt();

@@ -27,7 +27,7 @@ std::string take_option(std::vector<std::string>& words, const std::string& name
 /// Passes messages on in both directions until one end has gone.
 void pass_on(Hub& solver, Transport& coupler, WireLogWriter& log, Child& child) {
   std::string line;
-  bool told = false;
+  bool forwarded = false;
   for (;;) {
     if (auto event = solver.receive(Milliseconds(1))) {
       if (event->frames.empty()) return;
@@ -40,9 +40,9 @@ void pass_on(Hub& solver, Transport& coupler, WireLogWriter& log, Child& child) 
       solver.send(line, std::move(*frames));
     }
     if (coupler.lost() || child.ended()) return;
-    if (interrupted() && !told) {
+    if (interrupted() && !forwarded) {
       child.signal(SIGINT);
-      told = true;
+      forwarded = true;
     }
   }
 }

@@ -27,8 +27,7 @@ double water_level(const Case& scene) {
 }
 
 const Soil* soil_near(const Case& scene, const Point3& x) {
-  for (const auto& soil : scene.soils)
-    if (contains(soil.shape, x, scene.general.dimension)) return &soil;
+  if (const Soil* soil = soil_at(scene, x)) return soil;
   return scene.soils.empty() ? nullptr : &scene.soils.front();
 }
 
@@ -80,11 +79,7 @@ double still_value(const Case& scene, const std::string& name, const Point3& x) 
   }
   const Soil* soil = soil_near(scene, x);
   if (!soil) return 0.0;
-  if (name == field::soil_fraction) {
-    const bool inside = std::any_of(scene.soils.begin(), scene.soils.end(),
-                                    [&](const Soil& s) { return contains(s.shape, x, scene.general.dimension); });
-    return inside ? 1.0 : 0.0;
-  }
+  if (name == field::soil_fraction) return soil_at(scene, x) ? 1.0 : 0.0;
   const double solid = 1.0 - soil->porosity;
   if (name == field::solid_volume_fraction) return solid;
   if (name == field::grain_density) return soil->grain_density;

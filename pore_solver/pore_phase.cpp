@@ -222,19 +222,19 @@ OutputFrame PoreWater::frame() const {
   OutputFrame out;
   out.time = state_.time;
   out.count = network_.size();
-  out.position = tell_vectors<3>(network_.position);
+  out.position = write_vectors<3>(network_.position);
   const double weight = porous::specific_weight(scene_);
   out.fields = {{{"pressure_head", "m", "pressure over the water's specific weight; below zero under suction", 1},
-                 tell_scalars([this](std::size_t a) { return head_[a]; })},
+                 write_scalars([this](std::size_t a) { return head_[a]; })},
                 {{"pore_pressure", "Pa", "pressure of the water; below zero under suction", 1},
-                 tell_scalars([this, weight](std::size_t a) { return weight * head_[a]; })},
+                 write_scalars([this, weight](std::size_t a) { return weight * head_[a]; })},
                 {{"degree_of_saturation", "1", "water's share of the pores", 1},
-                 tell_scalars([this](std::size_t a) { return saturation(state_, static_cast<Index>(a)); })},
+                 write_scalars([this](std::size_t a) { return saturation(state_, static_cast<Index>(a)); })},
                 {{"water_content", "1", "volume of water per volume of soil", 1},
-                 tell_scalars([this](std::size_t a) { return state_.water[a] / network_.volume[a]; })},
-                {{"relative_flux", "m/s", "discharge through the skeleton, per area", 3}, tell_vectors<3>(flux_)},
+                 write_scalars([this](std::size_t a) { return state_.water[a] / network_.volume[a]; })},
+                {{"relative_flux", "m/s", "discharge through the skeleton, per area", 3}, write_vectors<3>(flux_)},
                 {{"volume", scene_.general.dimension == 3 ? "m3" : "m2", "of the soil that the point stands for", 1},
-                 tell_scalars([this](std::size_t a) { return network_.volume[a]; })}};
+                 write_scalars([this](std::size_t a) { return network_.volume[a]; })}};
   return out;
 }
 

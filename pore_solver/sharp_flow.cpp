@@ -15,6 +15,13 @@ Inflow depth_of(double h, double low, double high) {
   return {0.5 * wet * (h - low), wet};
 }
 
+/// The two entries of a cell's filling between which the number `of` them reaches `value`, which is below the last one.
+std::pair<const Filling&, const Filling&> around(std::span<const Filling> filling, double Filling::*of, double value) {
+  std::size_t i = 1;
+  while (value >= filling[i].*of) ++i;
+  return {filling[i - 1], filling[i]};
+}
+
 }  // namespace
 
 SharpFlow::SharpFlow(const Case& scene, const Network& network)
@@ -34,9 +41,7 @@ Inflow SharpFlow::level_at(Index a, double variable) const {
   const auto filling = network_.filling(a);
   const double share = std::max(variable, 0.0) / height(a);
   if (share >= 1.0) return {filling.front().elevation + variable, 1.0};
-  std::size_t i = 1;
-  while (share >= filling[i].share) ++i;
-  const Filling &below = filling[i - 1], &above = filling[i];
+  const auto [below, above] = around(filling, &Filling::share, share);
   const double per_share = (above.elevation - below.elevation) / (above.share - below.share);
   return {below.elevation + per_share * (share - below.share), per_share / height(a)};
 }
@@ -101,9 +106,7 @@ double SharpFlow::variable_at(Index a, double pressure_head) const {
   const double h = pressure_head + network_.elevation[a];
   if (h <= filling.front().elevation) return 0.0;
   if (h >= filling.back().elevation) return h - filling.front().elevation;
-  std::size_t i = 1;
-  while (h >= filling[i].elevation) ++i;
-  const Filling &below = filling[i - 1], &above = filling[i];
+  const auto [below, above] = around(filling, &Filling::elevation, h);
   const double part = (h - below.elevation) / (above.elevation - below.elevation);
   return (below.share + part * (above.share - below.share)) * height(a);
 }

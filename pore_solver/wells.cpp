@@ -65,11 +65,7 @@ class Axis {
   /// How far soil extends from a place of the axis in a direction [m], at most as far as a patch extends.
   [[nodiscard]] double soil_beyond(const Case& scene, double along, double direction) const {
     const double dx = scene.fluid.particle_spacing, most = (wells::patch_beyond + 2.0) * dx;
-    const auto in_soil = [&](double way) {
-      const Point3 x = at(along + direction * way);
-      return std::any_of(scene.soils.begin(), scene.soils.end(),
-                         [&](const Soil& soil) { return contains(soil.shape, x, 3); });
-    };
+    const auto in_soil = [&](double way) { return soil_at(scene, at(along + direction * way)) != nullptr; };
     constexpr double step = 0.25;  // spacings
     double in = 0.0, out = step * dx;
     while (in < most && in_soil(out)) {

@@ -56,8 +56,8 @@ void Solid<D>::initialise(const Inbox& inbox) {
 }
 
 template <int D>
-Outcome Solid<D>::advance(const Window& asked, const Inbox& inbox) {
-  Window window = asked;
+Outcome Solid<D>::advance(const Window& requested, const Inbox& inbox) {
+  Window window = requested;
   window.saved = window.saved && !setup_.tiling;  // ranks receive signals at different times
   if (!(window.interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
   expect_bearable_pressure(setup_, state_.particles);
@@ -128,11 +128,7 @@ template <int D>
 OutputFrame Solid<D>::frame() const {
   OutputFrame frame = frame_of(setup_, state_);
   if (asks_for(setup_.gauges, "solid", "factor_of_safety"))
-    frame.fields.push_back(
-        {{"failing_strain", "1",
-          "plastic strain of the soil that fails, its strength divided by the factor of safety that was read last", 1},
-         tell_scalars(
-             [this](std::size_t i) { return i < safety_.failing_strain.size() ? safety_.failing_strain[i] : 0.0; })});
+    frame.fields.push_back(failing_strain_field(safety_.failing_strain, "the factor of safety that was read last"));
   return frame;
 }
 

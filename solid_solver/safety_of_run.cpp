@@ -56,8 +56,8 @@ std::string row_of(const Case& scene, const Setup<D>& setup, std::size_t frame, 
   Point3 centre = Point3::Zero(), towards = Point3::Zero();
   centre.head<D>() = failing->centre;
   towards.head<D>() = failing->towards;
-  row += fmt::format("{},{},{:.6g},{:.6g}", cell(scene.soils[failing->soil].name),
-                     cell(nearest_face(scene, centre)), failing->share, failing->volume);
+  row += fmt::format("{},{},{:.6g},{:.6g}", cell(scene.soils[failing->soil].name), cell(nearest_face(scene, centre)),
+                     failing->share, failing->volume);
   centre += scene.general.origin;
   for (const auto& vector : {centre, towards})
     for (int d = 0; d < 3; ++d) row += fmt::format(",{:.6g}", vector[d]);
@@ -71,15 +71,9 @@ OutputFrame shown(const Setup<D>& setup, const State<D>& state, const FactorOfSa
   std::erase_if(frame.fields, [](const OutputField& field) {
     return field.name == "velocity" || field.name == "water_force";  // a stored state does not have them
   });
-  frame.fields.push_back({{"failing_strain", "1",
-                           "plastic strain of the soil that fails, its strength divided by the "
-                           "factor of safety",
-                           1},
-                          tell_scalars([&found](std::size_t i) {
-                            return i < found.failing_strain.size() ? found.failing_strain[i] : 0.0;
-                          })});
+  frame.fields.push_back(failing_strain_field(found.failing_strain, "the factor of safety"));
   frame.fields.push_back({{"failing_displacement", "m", "displacement of the soil that fails, likewise", 3},
-                          tell_vectors_by<D>([&found](std::size_t i) -> Vec<D> {
+                          write_vectors_by<D>([&found](std::size_t i) -> Vec<D> {
                             if (i < found.failing_displacement.size()) return found.failing_displacement[i];
                             return Vec<D>::Zero();
                           })});

@@ -92,13 +92,9 @@ double lattice_cover() {
 
 /// Length [m] of the part of a line beside which soil lies; 0 for a plane.
 double length_along_soil(const Case& scene, const Face& face, double spacing) {
-  const auto is_soil = [&](const Point3& x) {
-    return std::any_of(scene.soils.begin(), scene.soils.end(),
-                       [&](const Soil& soil) { return contains(soil.shape, x, scene.general.dimension); });
-  };
   const auto beside_soil = [&](const Point3& x, const Point3& inward) {
     constexpr std::array depths{walls::beside_line, -walls::beside_line, walls::farthest_load, -walls::farthest_load};
-    return std::ranges::any_of(depths, [&](double depth) { return is_soil(x + depth * spacing * inward); });
+    return std::ranges::any_of(depths, [&](double depth) { return soil_at(scene, x + depth * spacing * inward); });
   };
   double length = 0.0;
   for (const Piece& piece : pieces_of(face)) {

@@ -46,13 +46,13 @@ double measure(const Shape& shape, int dimension) {
 Amounts estimate(const Case& scene) {
   Amounts a;
   const int dimension = scene.general.dimension;
-  if (scene.is_field() || scene.is_both())
+  if (scene.has_field())
     for (const auto& soil : scene.soils) a.fluid += particles_in(soil.shape, scene.fluid.particle_spacing, dimension);
   if (!scene.is_field())
     for (const auto& region : scene.fluid.regions)
       a.fluid += particles_in(region, scene.fluid.particle_spacing, dimension);
   a.fluid_full = a.fluid;
-  if (!scene.is_field() && !scene.is_both() && !scene.water_faces.empty())
+  if (!scene.has_field() && !scene.water_faces.empty())
     for (const auto& soil : scene.soils)
       a.fluid_full += particles_in(soil.shape, scene.fluid.particle_spacing, dimension);
   if (scene.deformable())

@@ -45,18 +45,14 @@ class BothChecks : Complaints {
 
  private:
   static std::string with(const std::string& message) { return "with fluid.representation = \"both\": " + message; }
-  [[nodiscard]] bool in_soil(const Point3& x) const {
-    return std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                       [&](const Soil& soil) { return contains(soil.shape, x, 2); });
-  }
 
   void regions() const {
     if (!has_free_water(scene_))
       fail("fluid", with("there is no free water; expected a [[fluid.region]] outside the soil, or \"field\""));
     for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i) {
       const auto places = places_in(scene_.fluid.regions[i], scene_.fluid.particle_spacing, 2);
-      const auto wet = std::find_if(places.begin(), places.end(), [&](const Point3&x) { return in_soil(x); }),
-                 free = std::find_if(places.begin(), places.end(), [&](const Point3&x) { return !in_soil(x); });
+      const auto wet = std::find_if(places.begin(), places.end(), [&](const Point3&x) { return soil_at(scene_, x); }),
+                 free = std::find_if(places.begin(), places.end(), [&](const Point3&x) { return !soil_at(scene_, x); });
       if (wet != places.end() && free != places.end())
         fail(fmt::format("fluid.region[{}]", i),
              with(fmt::format("lies in soil at {} m and outside it at {} m; expected one region for free water, which "
@@ -100,7 +96,7 @@ class BothChecks : Complaints {
       if (place == GaugePlace::astride)
         fail(key + ".points", with("some of the points lie in soil and others do not; expected two gauges"));
       if (place == GaugePlace::ground && !g.points.empty() && g.kind != "exit_height" && g.kind != "exit_gradient" &&
-          std::none_of(g.points.begin(), g.points.end(), [&](const Point3& x) { return in_soil(x); }))
+          std::none_of(g.points.begin(), g.points.end(), [&](const Point3& x) { return soil_at(scene_, x); }))
         fail(key + ".points",
              with(fmt::format("\"{}\" is read in the soil, and none of the points lies in it", g.kind)));
       if (g.kind == "infiltration" && !g.quantity.empty())

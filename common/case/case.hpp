@@ -382,6 +382,10 @@ struct Gauge {
   double thickness = 0.0;       ///< m, "front" of the soil: least thickness; 0: the outermost particle
   double every = 0.0;           ///< s, "factor_of_safety": time between readings
   std::optional<Shape> region;  ///< for "volume", "momentum", ...: part that counts; absent: all
+  /// Whether a gauge of vectors reads component d: all do, but one of kind "momentum" with a quantity ("momentum_y").
+  [[nodiscard]] bool reads_component(int d) const {
+    return kind != "momentum" || quantity.empty() || quantity.back() == "xyz"[d];
+  }
 };
 
 struct Case {
@@ -414,10 +418,10 @@ struct Case {
   [[nodiscard]] bool is_field() const { return fluid.representation == FluidCase::Representation::field; }
   /// The water is particles where it is free, and a field in the soil.
   [[nodiscard]] bool is_both() const { return fluid.representation == FluidCase::Representation::both; }
+  /// Water in the soil is a field, whatever represents free water.
+  [[nodiscard]] bool has_field() const { return is_field() || is_both(); }
   /// There is a water phase.
-  [[nodiscard]] bool has_water() const {
-    return is_field() || is_both() || !fluid.regions.empty() || !water_faces.empty();
-  }
+  [[nodiscard]] bool has_water() const { return has_field() || !fluid.regions.empty() || !water_faces.empty(); }
   /// Both phases run. Otherwise only the water runs, in rigid soil, or only the soil.
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// The fluid's pressure solve predicts the skeleton's motion.

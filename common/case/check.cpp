@@ -530,7 +530,7 @@ class Checker : Complaints {
                       shown(a), shown(b)));
     for (const auto& piece : pieces(f.face))
       for (const auto& place : places_on(piece))
-        if (wet(place.right))
+        if (in_fluid_region(scene_, place.right))
           fail(key + ".points", fmt::format("a [[fluid.region]] lies behind the inlet, for example at {} m; expected "
                                             "water on its left side only",
                                             shown(place.at)));
@@ -683,15 +683,7 @@ class Checker : Complaints {
     }
   }
 
-  [[nodiscard]] bool wet(const Point3& x) const {
-    return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
-                       [&](const Shape& region) { return contains(region, x, scene_.general.dimension); });
-  }
-  [[nodiscard]] bool in_soil(const Point3& x) const {
-    return std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                       [&](const Soil& soil) { return contains(soil.shape, x, scene_.general.dimension); });
-  }
-  [[nodiscard]] bool ground(const Point3& x) const { return wet(x) || in_soil(x); }
+  [[nodiscard]] bool ground(const Point3& x) const { return in_fluid_region(scene_, x) || soil_at(scene_, x); }
 
   /// A position on a straight piece, and the points a quarter spacing to its left and right.
   struct Place {
@@ -924,7 +916,7 @@ class Checker : Complaints {
       if (!is_reservoir(scene_, face) || !face.head) continue;
       const Point3 up = -scene_.general.gravity.normalized();
       for (const auto& x : lattice(region, scene_.fluid.particle_spacing, {0.5, 0.5, 0.5}))
-        if (!in_soil(x) && up.dot(x) <= face.head->at(0.0) && is_behind(scene_, face, x)) complain(r, x);
+        if (!soil_at(scene_, x) && up.dot(x) <= face.head->at(0.0) && is_behind(scene_, face, x)) complain(r, x);
     }
   }
 
@@ -1152,8 +1144,8 @@ class Checker : Complaints {
   void of_a_face(const Gauge& gauge, const std::string& key) const {
     bool left = false, right = false;
     for (const auto& place : places_on({gauge.points[0], gauge.points[1]})) {
-      left = left || in_soil(place.left);
-      right = right || in_soil(place.right);
+      left = left || soil_at(scene_, place.left);
+      right = right || soil_at(scene_, place.right);
     }
     if (left) return;
     if (right)

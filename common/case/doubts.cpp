@@ -37,14 +37,14 @@ class Doubts : Complaints {
     rows_at_an_angle();
     for (auto& line : doubtful_wall_edges(scene_, places_)) lines_.push_back(std::move(line));
     if (scene_.has_water()) faces_never_wet();
-    if (scene_.has_water() && !scene_.is_field() && !scene_.is_both()) {
+    if (scene_.has_water() && !scene_.has_field()) {
       no_water();
       piles_of_one_row();
       faces_that_end_on_walls();
       narrow_water();
     }
     if (scene_.is_both()) narrow_water();
-    if (!scene_.is_field() && !scene_.is_both()) few_rows();
+    if (!scene_.has_field()) few_rows();
     if (scene_.is_field() && d_ == 3) faces_that_end_in_soil();
     loose_tolerance();
     without_effect();
@@ -249,10 +249,8 @@ class Doubts : Complaints {
     if (hinders_sight(scene_, Keeps::water)) return;
     const double dx = scene_.fluid.particle_spacing;
     for (const auto& thin : thin_walls(scene_, Keeps::water)) {
-      const bool in_soil = std::any_of(scene_.soils.begin(), scene_.soils.end(), [&](const Soil& soil) {
-        return contains(soil.shape, thin.at, 2) || contains(soil.shape, thin.at + 0.5 * dx * Point3::UnitX(), 2) ||
-               contains(soil.shape, thin.at + 0.5 * dx * Point3::UnitY(), 2);
-      });
+      const bool in_soil = soil_at(scene_, thin.at) || soil_at(scene_, thin.at + 0.5 * dx * Point3::UnitX()) ||
+                           soil_at(scene_, thin.at + 0.5 * dx * Point3::UnitY());
       if (!thin.both_sides || !in_soil || thin.thickness > 1.5 * dx) continue;
       doubt(
           fmt::format("wall[{}]", thin.wall),
@@ -280,9 +278,7 @@ class Doubts : Complaints {
       for (const auto& [piece, end, inner] : {std::tuple{pieces.front(), pieces.front().a, pieces.front().b},
                                               std::tuple{pieces.back(), pieces.back().b, pieces.back().a}}) {
         const Point3 before = end + 0.25 * dx * (piece.left() + (inner - end).normalized());
-        if (std::none_of(scene_.soils.begin(), scene_.soils.end(),
-                         [&](const Soil& soil) { return contains(soil.shape, before, 2); }))
-          continue;
+        if (!soil_at(scene_, before)) continue;
         for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
           if (scene_.walls[w].water == Wall::ForWater::none) continue;
           const auto sides = pieces_of(scene_.walls[w].face);
@@ -644,9 +640,7 @@ class Doubts : Complaints {
     const double dx = scene_.fluid.particle_spacing, beside = 0.05 * dx;
     const auto places = places_along(line, 0.5 * dx);
     const auto outside = std::ranges::count_if(places, [&](const Point3& x) {
-      return std::ranges::none_of(scene_.soils, [&](const Soil& soil) {
-        return contains(soil.shape, x + beside * line.left(), d_) || contains(soil.shape, x - beside * line.left(), d_);
-      });
+      return !soil_at(scene_, x + beside * line.left()) && !soil_at(scene_, x - beside * line.left());
     });
     const double length = line.length() * static_cast<double>(outside) / static_cast<double>(places.size());
     if (length > dx)

@@ -583,16 +583,11 @@ class FieldChecks : Complaints {
            "soil with a retention curve is never without water: expected it or 'initial_pressure_head', found none");
     for (std::size_t i = 0; i < f.regions.size(); ++i)
       for (const auto& x : places_in(f.regions[i], f.particle_spacing, dimension_))
-        if (!in_soil(x))
+        if (!soil_at(scene_, x))
           fail(fmt::format("fluid.region[{}]", i),
                fmt::format("is free water, for example at {} m; expected water in soil only, or fluid.representation = "
                            "\"both\" or \"particles\"",
                            shown(x)));
-  }
-
-  [[nodiscard]] bool in_soil(const Point3& x) const {
-    return std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                       [&](const Soil& soil) { return contains(soil.shape, x, dimension_); });
   }
 
   /// Whether soil lies in front of a face. Refuses a piece that is drawn along the soil's surface, but beside it: a
@@ -604,9 +599,9 @@ class FieldChecks : Complaints {
       int along = 0, on = 0;
       Point3 beside = piece.a;
       for (const auto& x : places_along(piece, 0.5 * dx)) {
-        if (!in_soil(x + near * piece.left())) continue;
+        if (!soil_at(scene_, x + near * piece.left())) continue;
         ++along;
-        if (in_soil(x + on_it * piece.left()) && !in_soil(x - on_it * piece.left()))
+        if (soil_at(scene_, x + on_it * piece.left()) && !soil_at(scene_, x - on_it * piece.left()))
           ++on;
         else
           beside = x;
@@ -908,13 +903,13 @@ class FieldChecks : Complaints {
       constexpr int directions = 12;
       for (int k = 0; k < parts; ++k) {
         const Point3 x = a + (k + 0.5) / parts * (b - a);
-        if (!in_soil(x))
+        if (!soil_at(scene_, x))
           fail(key + ".points",
                fmt::format("the screen lies outside the soil at {} m; expected all of it in soil", shown(x)));
         for (int d = 0; d < directions; ++d) {
           const double angle = 2.0 * std::numbers::pi * d / directions;
           const Point3 aside = x + nearest * dx * (std::cos(angle) * u + std::sin(angle) * v);
-          if (!in_soil(aside))
+          if (!soil_at(scene_, aside))
             fail(key + ".points",
                  fmt::format(
                      "the soil ends at {} m, nearer than {:g} particle spacings, {:.4g} m, from the screen at {} m; "

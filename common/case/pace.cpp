@@ -40,7 +40,7 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
       way_at(scene.solid.initial_velocity.norm() + std::abs(scene.solid.initial_wave),
              "the way of the soil through one spacing at its initial speed");
     }
-  if (scene.is_field() || scene.is_both()) {
+  if (scene.has_field()) {
     const double weight = scene.water.density * standard_gravity;
     double head = 0.0;  // m, largest
     for (const auto& face : scene.water_faces)

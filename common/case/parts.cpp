@@ -27,15 +27,10 @@ bool is_among(const Words& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-bool lies_in_soil(const Case& scene, const Point3& x) {
-  return std::any_of(scene.soils.begin(), scene.soils.end(),
-                     [&](const Soil& soil) { return contains(soil.shape, x, scene.general.dimension); });
-}
-
 /// Whether a region of water lies in soil; check_both() refuses regions that lie in it in part only.
 bool region_in_soil(const Case& scene, const Shape& region) {
   const auto places = places_in(region, scene.fluid.particle_spacing, scene.general.dimension);
-  return !places.empty() && lies_in_soil(scene, places.front());
+  return !places.empty() && soil_at(scene, places.front());
 }
 
 /// Lines through pieces in a row, each of which begins where the last one ends.
@@ -66,7 +61,7 @@ void keep_gauges(const Case& scene, GaugePlace place, Case& part) {
 bool has_free_water(const Case& scene) {
   return std::any_of(scene.fluid.regions.begin(), scene.fluid.regions.end(), [&](const Shape& region) {
     const auto places = places_in(region, scene.fluid.particle_spacing, scene.general.dimension);
-    return std::any_of(places.begin(), places.end(), [&](const Point3& x) { return !lies_in_soil(scene, x); });
+    return std::any_of(places.begin(), places.end(), [&](const Point3& x) { return !soil_at(scene, x); });
   });
 }
 
@@ -74,7 +69,7 @@ GaugePlace place_of(const Case& scene, const Gauge& gauge) {
   if (is_among(kinds_of_both, gauge.kind)) return GaugePlace::all;
   if (is_among(kinds_in_free_water, gauge.kind)) return GaugePlace::free_water;
   const auto inside =
-      std::count_if(gauge.points.begin(), gauge.points.end(), [&](const Point3& x) { return lies_in_soil(scene, x); });
+      std::count_if(gauge.points.begin(), gauge.points.end(), [&](const Point3& x) { return soil_at(scene, x); });
   if (is_among(kinds_in_ground, gauge.kind)) return GaugePlace::ground;
   if (gauge.kind != "point") return GaugePlace::nowhere;
   if (inside == 0) return GaugePlace::free_water;

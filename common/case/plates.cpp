@@ -154,10 +154,6 @@ class Plates : Complaints {
       fail(key + ".lifts", "the water in the gap under a plate that has come off is not computed: expected dry soil");
   }
 
-  [[nodiscard]] bool soil_at(const Point3& x) const {
-    return std::ranges::any_of(scene_.soils, [&](const Soil& soil) { return contains(soil.shape, x, in_3d_ ? 3 : 2); });
-  }
-
   /// A place on a plate, for the part of it around: normal into the soil, length [m] or area [m2] of the part.
   struct Place {
     Point3 at, normal;
@@ -213,13 +209,13 @@ class Plates : Complaints {
     constexpr double beside = 0.05, reach = 1.5;  // spacings; the kernel reaches the image of a particle at 1.2
     double touched = 0.0;
     for (const Place& part : places_on(f)) {
-      if (soil_at(part.at - beside * dx * part.normal))
+      if (soil_at(scene_, part.at - beside * dx * part.normal))
         fail(key, fmt::format("soil lies behind the plate at {} m: expected soil only on the side to which the plate "
                               "presses{}",
                               shown(part.at), in_3d_ ? "" : ", the left of its line"));
-      if (soil_at(part.at + beside * dx * part.normal))
+      if (soil_at(scene_, part.at + beside * dx * part.normal))
         touched += part.size;
-      else if (soil_at(part.at + reach * dx * part.normal))
+      else if (soil_at(scene_, part.at + reach * dx * part.normal))
         fail(key, fmt::format("a gap is left between the plate and the soil before it at {} m: expected a plate on the "
                               "soil's surface",
                               shown(part.at)));

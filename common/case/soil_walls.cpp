@@ -39,10 +39,6 @@ class SoilWalls : Complaints {
   }
 
  private:
-  [[nodiscard]] bool in_soil(const Point3& x) const {
-    return std::ranges::any_of(scene_.soils, [&](const Soil& soil) { return contains(soil.shape, x, d_); });
-  }
-
   /// A load on soil that a wall holds would act against the wall.
   void loads_on_walls() const {
     for (std::size_t i = 0; i < scene_.loads.size(); ++i)
@@ -95,8 +91,8 @@ class SoilWalls : Complaints {
       std::optional<Point3> right;
       for (const Point3& x : places_along(piece, dx_)) {
         const Point3 aside = 0.25 * dx_ * piece.left();
-        left = left || in_soil(x + aside);
-        if (in_soil(x - aside)) right = x;
+        left = left || soil_at(scene_, x + aside);
+        if (soil_at(scene_, x - aside)) right = x;
       }
       if (!left && right)
         fail(fmt::format("wall[{}].points", w),
@@ -185,7 +181,7 @@ class SoilWalls : Complaints {
       if (wall.soil != Wall::ForSoil::none)
         for (const Piece& piece : pieces_of(wall.face))
           if (std::ranges::any_of(places_along(piece, dx_),
-                                  [&](const Point3& x) { return in_soil(x - 0.25 * dx_ * piece.left()); }))
+                                  [&](const Point3& x) { return soil_at(scene_, x - 0.25 * dx_ * piece.left()); }))
             screens.push_back(piece);
     if (screens.empty()) return;
     double spacing = dx_;

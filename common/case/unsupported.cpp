@@ -49,15 +49,6 @@ class Supported : Complaints {
   }
 
  private:
-  [[nodiscard]] const Soil* soil_at(const Point3& x) const {
-    for (const auto& soil : scene_.soils)
-      if (contains(soil.shape, x, d_)) return &soil;
-    return nullptr;
-  }
-  [[nodiscard]] bool wet(const Point3& x) const {
-    return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
-                       [&](const Shape& region) { return contains(region, x, d_); });
-  }
   /// Refuses scenes too far from the origin. Particles are sorted into cells whose numbers have 21 bits per axis, and
   /// distances lose digits: with a spacing of 0.1 m, results are wrong farther than 2^19 m from the origin. read_case()
   /// has already moved the scene towards the origin along axes without gravity.
@@ -196,13 +187,13 @@ class Supported : Complaints {
       for (const auto& x : places) {
         const Soil* beside = nullptr;
         for (const double gap : {0.05, 0.25, 0.5})
-          if (!beside) beside = soil_at(x - gap * dx * inward);
+          if (!beside) beside = soil_at(scene_, x - gap * dx * inward);
         if (!beside || same(beside)) continue;
         const double part = edge.length() / static_cast<double>(places.size());
         around += part;
         const double rows = rows_needed(k, conductivity(*beside)), step = 0.025 * dx;
         double deep = step;
-        while (deep < 0.999 * rows * dx && same(soil_at(x + deep * inward))) deep += step;
+        while (deep < 0.999 * rows * dx && same(soil_at(scene_, x + deep * inward))) deep += step;
         if (deep >= 0.999 * rows * dx) continue;
         auto& thin = found[static_cast<std::size_t>(beside - scene_.soils.data())];
         thin.length += part;
@@ -222,7 +213,7 @@ class Supported : Complaints {
       if (scene_.soils[i].porosity >= least) continue;
       for (const auto& region : scene_.fluid.regions)
         for (const auto& x : places_in(region, scene_.fluid.particle_spacing, d_))
-          if (soil_at(x) == nullptr)
+          if (soil_at(scene_, x) == nullptr)
             fail(fmt::format("soil[{}].porosity", i),
                  fmt::format(
                      "expected {} or more beside free water, found {}: so dense a soil is a solid body, which is "
@@ -256,7 +247,7 @@ class Supported : Complaints {
       const Point3 along = (b - a).normalized(), inwards(-along.y(), along.x(), 0.0);
       const Point3 before = 0.5 * (a + b) + 0.25 * dx * inwards;
       const Point3 above = (up_.dot(a) > up_.dot(b) ? a : b) + 0.25 * dx * inwards + dx * up_;
-      const auto free = [&](const Point3& x) { return wet(x) && !soil_at(x); };
+      const auto free = [&](const Point3& x) { return in_fluid_region(scene_, x) && !soil_at(scene_, x); };
       if (!free(before) || !free(above)) continue;
       fail(fmt::format("water_face[{}].{}", i, key),
            fmt::format("the opening from {} to {} m lies under water, and what a submerged opening passes by '{}' is "
@@ -282,9 +273,11 @@ class Supported : Complaints {
         const double level = up_.dot(0.5 * (piece.a + piece.b));
         const bool no_pressure = f.pressure ? highest <= 0.0 : std::abs(highest - level) < 0.1 * dx;
         const Point3 before = 0.5 * (piece.a + piece.b) + 0.25 * dx * piece.left();
-        const Soil* soil = soil_at(before);
+        const Soil* soil = soil_at(scene_, before);
         // Not refused where water can fall in from above, or where suction draws water in.
-        if (!no_pressure || up_.dot(piece.left()) < -0.01 || !soil || soil->suction_head > 0.0 || wet(before)) continue;
+        if (!no_pressure || up_.dot(piece.left()) < -0.01 || !soil || soil->suction_head > 0.0 ||
+            in_fluid_region(scene_, before))
+          continue;
         fail(fmt::format("water_face[{}].{}", i, f.pressure ? "pressure" : "head"),
              fmt::format("the pressure is zero along the face from {} to {} m, before which the soil is dry: air is "
                          "behind it, and water only leaves there; expected outlet = true",
@@ -348,7 +341,7 @@ class Supported : Complaints {
         Point3 x = part.low;
         x[part.axes[0]] += (p + 0.5) / count[0] * (part.high - part.low)[part.axes[0]];
         x[part.axes[1]] += (q + 0.5) / count[1] * (part.high - part.low)[part.axes[1]];
-        if (soil_at(x + 0.5 * dx * normal) == nullptr || soil_at(x - 0.5 * dx * normal) != nullptr)
+        if (soil_at(scene_, x + 0.5 * dx * normal) == nullptr || soil_at(scene_, x - 0.5 * dx * normal) != nullptr)
           fail(key, fmt::format("the soil's surface does not lie along the load's plane at {} m; expected a box over "
                                 "soil all along the plane",
                                 shown(x)));
@@ -412,7 +405,7 @@ class Supported : Complaints {
             if (f.within && !loaded_part(scene_, f).covers(x)) continue;
             any = true;
             const double off = std::abs(inside - 0.5 * dx);
-            if (off <= (farthest + 0.25) * dx || soil_at(x - dx * plane.normal) != nullptr) continue;
+            if (off <= (farthest + 0.25) * dx || soil_at(scene_, x - dx * plane.normal) != nullptr) continue;
             fail(fmt::format("load[{}]", i),
                  fmt::format(
                      "the soil's surface at {} m lies {:.3g} m off the load's face, within its reach; expected "

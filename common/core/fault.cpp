@@ -27,9 +27,9 @@ struct Fault {
   std::atomic<long> calls = 0;
 
   Fault() {
-    const char* asked = std::getenv("PORETWIN_FAIL");
-    if (asked == nullptr) return;
-    std::istringstream words(asked);
+    const char* requested = std::getenv("PORETWIN_FAIL");
+    if (requested == nullptr) return;
+    std::istringstream words(requested);
     std::string process, what, when;
     words >> process >> what >> when;
     if (std::string_view(program_invocation_short_name) != "poretwin-" + process) return;

@@ -110,8 +110,9 @@ class Team {
 std::size_t threads() {
   static const auto n = [] {
     const char* given = std::getenv("OMP_NUM_THREADS");
-    const int asked = given == nullptr ? 0 : std::atoi(given);
-    return asked > 0 ? static_cast<std::size_t>(asked) : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    const int requested = given == nullptr ? 0 : std::atoi(given);
+    return requested > 0 ? static_cast<std::size_t>(requested)
+                         : std::max<std::size_t>(1, std::thread::hardware_concurrency());
   }();
   return n;
 }

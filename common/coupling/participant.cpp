@@ -118,7 +118,7 @@ class Participant::Implementation {
 
   void reject(const Outcome& outcome) {
     // Before the refusal, so that the coupler does not order the window once more.
-    if (interrupted() && !told_interrupt_) send_heartbeat();
+    if (interrupted() && !reported_interrupt_) send_heartbeat();
     Message message;
     message.step = step_;
     message.iteration = iteration_;
@@ -143,7 +143,7 @@ class Participant::Implementation {
     const auto start = Clock::now();
     auto said = start;
     for (;;) {
-      if (interrupted() && !told_interrupt_) send_heartbeat();
+      if (interrupted() && !reported_interrupt_) send_heartbeat();
       if (auto message = take(Milliseconds(100))) {
         if (std::holds_alternative<Heartbeat>(message->body)) continue;
         totals_.waiting += seconds_since(start);
@@ -325,10 +325,9 @@ class Participant::Implementation {
     for (const auto* more : {&inbox.at_start, &inbox.found})
       for (const auto& field : *more)
         if (inbox.at(field.name).components != field.components)
-          fail(fmt::format("field '{}': expected {} components at {}, got {}", field.name,
-                           inbox.at(field.name).components,
-                           more == &inbox.at_start ? "the window's start" : "the end that a pass found",
-                           field.components));
+          fail(fmt::format(
+              "field '{}': expected {} components at {}, got {}", field.name, inbox.at(field.name).components,
+              more == &inbox.at_start ? "the window's start" : "the end that a pass found", field.components));
     return inbox;
   }
 
@@ -370,7 +369,7 @@ class Participant::Implementation {
       message.step = doing_step_;
     }
     beat.interrupted = interrupted();
-    if (beat.interrupted) told_interrupt_ = true;
+    if (beat.interrupted) reported_interrupt_ = true;
     message.body = std::move(beat);
     send(std::move(message));
   }
@@ -416,7 +415,7 @@ class Participant::Implementation {
   std::uint64_t doing_step_ = 0;
   Clock::time_point doing_since_ = Clock::now();
   Milliseconds interval_{1000};
-  std::atomic<bool> heartbeats_ = true, left_ = false, told_interrupt_ = false;
+  std::atomic<bool> heartbeats_ = true, left_ = false, reported_interrupt_ = false;
   std::thread thread_;
 };
 

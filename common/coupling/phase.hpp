@@ -16,7 +16,7 @@
 namespace poretwin {
 
 /// Writes all components of one particle to `numbers`.
-using TellParticle = std::function<void(std::size_t particle, double* numbers)>;
+using ParticleWriter = std::function<void(std::size_t particle, double* numbers)>;
 
 /// Describes a field of the output; it is written to the file's metadata.
 struct FieldDeclaration {
@@ -27,34 +27,34 @@ struct FieldDeclaration {
 };
 
 struct OutputField : FieldDeclaration {
-  TellParticle tell;  ///< writes all components of the field for one particle
+  ParticleWriter write;  ///< writes all components of the field for one particle
 };
 
 /// All output of one phase at one time. It is read particle by particle, so that it is never completely in memory. It
 /// is valid until the phase changes.
 struct OutputFrame {
   double time = 0.0;
-  std::size_t count = 0;  ///< number of particles
-  TellParticle position;  ///< three numbers, z = 0 in 2D
+  std::size_t count = 0;    ///< number of particles
+  ParticleWriter position;  ///< three numbers, z = 0 in 2D
   std::vector<OutputField> fields;
 };
 
 /// Components of one vector per particle, value(i); z = 0 in 2D.
 template <int D, class Value>
-TellParticle tell_vectors_by(Value value) {
+ParticleWriter write_vectors_by(Value value) {
   return [value](std::size_t i, double* numbers) {
     const Vec<D> vector = value(i);
     for (int d = 0; d < 3; ++d) numbers[d] = d < D ? vector[d] : 0.0;
   };
 }
-/// As tell_vectors_by(), for an array, which must outlive the frame.
+/// As write_vectors_by(), for an array, which must outlive the frame.
 template <int D>
-TellParticle tell_vectors(const VecArray<D>& values) {
-  return tell_vectors_by<D>([&values](std::size_t i) { return values[i]; });
+ParticleWriter write_vectors(const VecArray<D>& values) {
+  return write_vectors_by<D>([&values](std::size_t i) { return values[i]; });
 }
 /// One number per particle.
 template <class Value>
-TellParticle tell_scalars(Value value) {
+ParticleWriter write_scalars(Value value) {
   return [value](std::size_t i, double* number) { *number = value(i); };
 }
 

@@ -122,7 +122,7 @@ class Router final : public Hub {
     if (auto event = receive_message()) return event;
     if (closing_.empty()) return std::nullopt;
     shared_.erase(closing_);
-    asked_.erase(closing_);
+    offered_.erase(closing_);
     return Event{std::exchange(closing_, {}), {}};
   }
 
@@ -138,7 +138,7 @@ class Router final : public Hub {
   Shared* shared_with(const std::string& line) {
     if (const auto found = shared_.find(line); found != shared_.end()) return &found->second;
     const auto theirs = may_share_ ? sharing::read_routing_id(line) : std::nullopt;
-    if (!theirs || !asked_.insert(line).second) return nullptr;
+    if (!theirs || !offered_.insert(line).second) return nullptr;
     Shared shared;
     const auto ours = shared.lent.name();
     if (!ours || !shared.borrowed.reaches(*theirs) || !send(line, sharing::offer(*ours))) return nullptr;
@@ -188,7 +188,7 @@ class Router final : public Hub {
   std::string closing_;  ///< a line that has closed, to be reported once its last messages are read
   bool may_share_ = false;
   std::map<std::string, Shared> shared_;  ///< by line
-  std::set<std::string> asked_;           ///< lines to which sharing memory has been offered
+  std::set<std::string> offered_;         ///< lines to which sharing memory has been offered
 };
 
 }  // namespace

@@ -207,7 +207,7 @@ class Flood {
           const auto at = static_cast<int>(cell / stride[axis] % static_cast<std::size_t>(count_[axis]));
           if (at + step < 0 || at + step >= count_[axis]) {
             if (periodic(d) || step * up_[d] > 0.5 || held_beyond(x, step * Point3::Unit(d))) continue;
-            return told(cell, from);
+            return leak_through(cell, from);
           }
           Point3 y = x;
           y[d] += step * size_;
@@ -263,7 +263,7 @@ class Flood {
   }
 
   /// The leak that ends in this cell: a place on the water's path, and the free ends of boundaries nearest to it.
-  [[nodiscard]] Leak told(std::size_t cell, const std::vector<std::size_t>& from) const {
+  [[nodiscard]] Leak leak_through(std::size_t cell, const std::vector<std::size_t>& from) const {
     std::vector<Point3> way{centre(cell)};
     for (; from[cell] != cell; cell = from[cell]) way.push_back(centre(from[cell]));
     Leak leak{way.front(), {}};
@@ -309,12 +309,7 @@ class Flood {
 
   /// Whether soil or water lies on both sides of the line somewhere.
   [[nodiscard]] bool through_ground(const Point3& a, const Point3& b) const {
-    const auto ground = [&](const Point3& x) {
-      return std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                         [&](const Soil& soil) { return contains(soil.shape, x, dimension_); }) ||
-             std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
-                         [&](const Shape& region) { return contains(region, x, dimension_); });
-    };
+    const auto ground = [&](const Point3& x) { return soil_at(scene_, x) || in_fluid_region(scene_, x); };
     const Point3 aside = 0.25 * size_ * Point3(a.y() - b.y(), b.x() - a.x(), 0.0).normalized();
     constexpr int parts = 20;
     for (int k = 1; k < parts; ++k) {

@@ -33,6 +33,17 @@ bool contains(const Shape& shape, const Point3& x, int dimension) {
   return inside;
 }
 
+const Soil* soil_at(const Case& scene, const Point3& x) {
+  for (const auto& soil : scene.soils)
+    if (contains(soil.shape, x, scene.general.dimension)) return &soil;
+  return nullptr;
+}
+
+bool in_fluid_region(const Case& scene, const Point3& x) {
+  return std::ranges::any_of(scene.fluid.regions,
+                             [&](const Shape& region) { return contains(region, x, scene.general.dimension); });
+}
+
 std::pair<Point3, Point3> bounds(const Shape& shape) {
   if (shape.solid) return shape.solid->bounds();
   if (shape.kind == Shape::Kind::box) return {shape.min, shape.max};
@@ -179,8 +190,7 @@ bool is_inlet(const Case& scene, const WaterFace& face) {
     const int parts = std::clamp(static_cast<int>(along.norm() / spacing), 1, 10000);
     for (int k = 0; k < parts; ++k) {
       const Point3 x = points[i] + (k + 0.5) / parts * along + 0.25 * spacing * left;
-      for (const auto& soil : scene.soils)
-        if (contains(soil.shape, x, scene.general.dimension)) return false;
+      if (soil_at(scene, x)) return false;
     }
   }
   return true;

@@ -13,6 +13,12 @@ namespace poretwin {
 /// Whether x [m] is inside the shape (borders included). Boxes in 2D ignore z.
 bool contains(const Shape& shape, const Point3& x, int dimension);
 
+/// The soil in which x [m] lies as the case draws it; where soils touch or overlap, the first; null outside all soil.
+const Soil* soil_at(const Case& scene, const Point3& x);
+
+/// Whether x [m] lies in a [[fluid.region]]. Such a place may be in soil or outside it.
+bool in_fluid_region(const Case& scene, const Point3& x);
+
 /// Smallest box around the shape.
 std::pair<Point3, Point3> bounds(const Shape& shape);
 

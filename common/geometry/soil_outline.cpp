@@ -100,9 +100,7 @@ std::vector<Piece> beside_no_soil(const Case& scene, double spacing, const Face&
   for (const auto& whole : pieces_of(wall))
     for (const auto& piece : divided(whole, ends, spacing)) {
       const Point3 inside = 0.5 * (piece.a + piece.b) + beside_outline * spacing * piece.left();
-      if (std::none_of(scene.soils.begin(), scene.soils.end(),
-                       [&](const Soil& soil) { return contains(soil.shape, inside, 2); }))
-        rest.push_back(piece);
+      if (!soil_at(scene, inside)) rest.push_back(piece);
     }
   return rest;
 }

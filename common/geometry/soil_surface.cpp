@@ -34,23 +34,18 @@ SoilSurface::SoilSurface(const Case& scene, double spacing) : scene_(scene), spa
   mesh_.emplace(std::move(all));
 }
 
-const Soil* SoilSurface::soil_at(const Point3& x) const {
-  const auto found = std::ranges::find_if(scene_.soils, [&](const Soil& soil) { return contains(soil.shape, x, 3); });
-  return found == scene_.soils.end() ? nullptr : &*found;
-}
-
 bool SoilSurface::is_border(const Point3& x, const Point3& outwards) const {
   const Point3 step = beside * spacing_ * outwards;
-  return soil_at(x - step) && !soil_at(x + step);
+  return soil_at(scene_, x - step) && !soil_at(scene_, x + step);
 }
 
 bool SoilSurface::is_open(const Point3& x, const Point3& outwards) const {
   const Point3 step = beside * spacing_ * outwards;
-  const Soil *inner = soil_at(x - step), *outer = soil_at(x + step);
+  const Soil *inner = soil_at(scene_, x - step), *outer = soil_at(scene_, x + step);
   if (inner && !outer) return true;
   if (inner && inner != outer) return false;  // where two soils touch, even if the second one is thin here
   constexpr double before = 0.25;  // spacings; within a cell curved surfaces depart less from their tangent plane
-  return !soil_at(x + before * spacing_ * outwards);
+  return !soil_at(scene_, x + before * spacing_ * outwards);
 }
 
 std::vector<SoilSurface::Place> SoilSurface::places(double apart) const {
@@ -74,7 +69,7 @@ std::vector<SoilSurface::Place> SoilSurface::places(double apart) const {
 }
 
 std::size_t SoilSurface::soil_of(const Place& place) const {
-  return static_cast<std::size_t>(soil_at(place.at - beside * spacing_ * place.outwards) - scene_.soils.data());
+  return static_cast<std::size_t>(soil_at(scene_, place.at - beside * spacing_ * place.outwards) - scene_.soils.data());
 }
 
 bool lies_along(const Face& face, const SoilSurface::Place& place, double slack) {

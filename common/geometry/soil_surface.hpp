@@ -34,7 +34,6 @@ class SoilSurface {
 
  private:
   /// The soil at a place; nullptr: none.
-  [[nodiscard]] const Soil* soil_at(const Point3& x) const;
 
   const Case& scene_;
   double spacing_;

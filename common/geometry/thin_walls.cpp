@@ -11,16 +11,8 @@
 namespace poretwin {
 namespace {
 
-bool in_soil(const Case& scene, const Point3& x) {
-  return std::any_of(scene.soils.begin(), scene.soils.end(),
-                     [&](const Soil& soil) { return contains(soil.shape, x, 2); });
-}
-bool wet(const Case& scene, const Point3& x) {
-  return std::any_of(scene.fluid.regions.begin(), scene.fluid.regions.end(),
-                     [&](const Shape& region) { return contains(region, x, scene.general.dimension); });
-}
 bool lies_in(const Case& scene, Keeps what, const Point3& x) {
-  return what == Keeps::water ? wet(scene, x) : in_soil(scene, x);
+  return what == Keeps::water ? in_fluid_region(scene, x) : soil_at(scene, x) != nullptr;
 }
 double spacing_of(const Case& scene, Keeps what) {
   return what == Keeps::water ? scene.fluid.particle_spacing : scene.solid.particle_spacing;
@@ -138,7 +130,7 @@ bool sight_matters(const Case& scene, Keeps what) {
   const double dx = scene.fluid.particle_spacing;
   for (const auto& region : scene.fluid.regions)
     for (const auto& x : fill<2>(region, spacing_to_look_at(region, dx, 2), {0.5, 0.5, 0.5}, 0.0, 1).position)
-      if (!in_soil(scene, Point3(x.x(), x.y(), 0.0))) return false;
+      if (!soil_at(scene, Point3(x.x(), x.y(), 0.0))) return false;
   std::vector<Piece> walls, faces;
   for (const auto& wall : scene.walls)
     if (wall.water != Wall::ForWater::none)

@@ -36,9 +36,9 @@ std::string cause() {
 
 /// The system's message on the first failed write to the file: the library's error stack may name a later failure only.
 std::string cause_at(Id::Value object) {
-  const std::string told = cause();  // must precede the next call, which clears the stack
+  const std::string latest = cause();  // must precede the next call, which clears the stack
   const std::string lost = object >= 0 ? undo_failure(object) : std::string();
-  return lost.empty() ? told : lost;
+  return lost.empty() ? latest : lost;
 }
 
 Id::Value disk_type(Type type) {

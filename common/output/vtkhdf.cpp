@@ -29,15 +29,15 @@ std::string_view xdmf_type(int components) {
 /// Appends one row.
 void append_one(hdf5::Dataset& data, std::int64_t value) { data.append(std::span<const std::int64_t>(&value, 1)); }
 
-/// Appends `count` rows of `columns` numbers, a chunk at a time; tell(i, numbers) writes row i to `numbers`.
-template <class Number, class Tell>
-void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, const Tell& tell) {
+/// Appends `count` rows of `columns` numbers, a chunk at a time; write(i, numbers) writes row i to `numbers`.
+template <class Number, class Write>
+void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, const Write& write) {
   const std::size_t rows = std::min(count, particle_chunk / columns);
   std::vector<Number> numbers(rows * columns);
   for (std::size_t first = 0; first < count; first += rows) {
-    const std::size_t told = std::min(rows, count - first);
-    for (std::size_t i = 0; i < told; ++i) tell(first + i, &numbers[i * columns]);
-    data.append(std::span<const Number>(numbers.data(), told * columns));
+    const std::size_t chunk = std::min(rows, count - first);
+    for (std::size_t i = 0; i < chunk; ++i) write(first + i, &numbers[i * columns]);
+    data.append(std::span<const Number>(numbers.data(), chunk * columns));
   }
 }
 
@@ -181,7 +181,7 @@ void VtkHdfWriter::append(const OutputFrame& frame) {
   append_rows<std::uint8_t>(types_, n, 1, [](std::size_t, std::uint8_t* type) { *type = vtk_vertex; });
   for (std::size_t k = 0; k < columns_.size(); ++k)
     append_rows<double>(columns_[k].values, n, static_cast<std::size_t>(frame.fields[k].components),
-                        frame.fields[k].tell);
+                        frame.fields[k].write);
   for (auto* counter : {&number_of_points_, &number_of_cells_, &number_of_ids_}) append_one(*counter, count);
 
   times_.append(std::span<const double>(&frame.time, 1));

@@ -17,9 +17,10 @@ Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const Sta
     soilless.resize(p.size());
     parallel_for(p.size(), [&](std::size_t a) { soilless[a] = p.mask[a] == 0.0; });
   }
-  auto s = make_stencil<D>(
-      p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free, tells_density(setup),
-      setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight, setup.joints, soilless, walls.surfaces.get());
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free,
+                           uses_density_weight(setup),
+                           setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight,
+                           setup.joints, soilless, walls.surfaces.get());
   s.domain = setup.domain;
   fit_columns<D>(state.columns, free, s, walls.sight);
   limit_surface<D>(setup, state, s);

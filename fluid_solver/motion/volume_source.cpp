@@ -85,7 +85,7 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
 /// are worse with it. It is not used beside soil (Stencil::open_water), where it would add 1 % to the energy in a thin
 /// fast layer.
 template <int D>
-bool tells_density(const Setup<D>& setup) {
+bool uses_density_weight(const Setup<D>& setup) {
   return D == 2 && setup.is_projection();
 }
 
@@ -158,7 +158,7 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
 template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full,
                      bool loose_counts) {
-  if (tells_density(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone) {
+  if (uses_density_weight(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone) {
     if (const double below = depth<D>(s, a); below > 0.0) {
       // A lattice fills the missing side beyond the surface.
       static const double whole = lattice_density<D>();
@@ -283,7 +283,7 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                                      \
-  template bool tells_density(const Setup<D>&);                                                                      \
+  template bool uses_density_weight(const Setup<D>&);                                                                \
   template ScalarArray moved(const Particles<D>&);                                                                   \
   template double free_repair_time(const Setup<D>&, double);                                                         \
   template double repair_time(const Setup<D>&, const Particles<D>&, std::size_t, const SoilView<D>&, double);        \

@@ -7,7 +7,7 @@ namespace poretwin::fluid {
 
 /// Whether the density of open water is measured by density_weight, which hardly depends on the order of its particles.
 template <int D>
-bool tells_density(const Setup<D>& setup);
+bool uses_density_weight(const Setup<D>& setup);
 
 /// Displacement of each particle from its birthplace as a fraction in [0, 1]; at 1 its packing error counts in full.
 template <int D>

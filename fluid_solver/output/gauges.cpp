@@ -397,9 +397,7 @@ class Reader {
     if (gauge.kind == "unexplained_impulse") momentum -= state_.exchanged.received + state_.exchanged.from_outside;
     if (gauge.kind == "momentum" || gauge.kind == "received_impulse" || gauge.kind == "unexplained_impulse")
       for (int d = 0; d < D; ++d)
-        if (gauge.kind != "momentum" || gauge.quantity.empty() ||
-            gauge.quantity.ends_with(axes[static_cast<std::size_t>(d)]))
-          add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
+        if (gauge.reads_component(d)) add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
     if (gauge.kind == "kinetic_energy") add(gauge.name, kinetic, "J");
     if (gauge.kind == "potential_energy") add(gauge.name, potential, "J");
     if (gauge.kind == "drag_work") add(gauge.name, state_.exchanged.drag_work, "J");

@@ -12,7 +12,7 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
   OutputFrame out;
   out.time = state.time;
   out.count = p.size();
-  out.position = tell_vectors<D>(p.position);
+  out.position = write_vectors<D>(p.position);
   const auto pressure = [&p, &setup](std::size_t a) {
     return p.pressure[a] + setup.weight.dot(p.position[a] - setup.origin);
   };
@@ -22,14 +22,14 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
   };
   const auto surface = [&p](std::size_t a) { return p.surface[a] == Surface::interior ? 0.0 : 1.0; };
   out.fields = {
-      {{"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3}, tell_vectors<D>(p.velocity)},
-      {{"pore_pressure", "Pa", "total pressure of the water", 1}, tell_scalars(pressure)},
+      {{"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3}, write_vectors<D>(p.velocity)},
+      {{"pore_pressure", "Pa", "total pressure of the water", 1}, write_scalars(pressure)},
       {{"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1},
-       tell_scalars([&p](std::size_t a) { return p.void_fraction[a]; })},
+       write_scalars([&p](std::size_t a) { return p.void_fraction[a]; })},
       {{"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3}, relative},
-      {{"surface", "1", "1 on the free surface", 1}, tell_scalars(surface)},
+      {{"surface", "1", "1 on the free surface", 1}, write_scalars(surface)},
       {{"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
-       tell_scalars([&p](std::size_t a) { return p.volume[a]; })}};
+       write_scalars([&p](std::size_t a) { return p.volume[a]; })}};
   return out;
 }
 

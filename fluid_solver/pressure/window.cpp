@@ -165,7 +165,7 @@ class WindowSolver {
         solve_fluid(std::move(b), out);
       if (!update_cavitating(out) || round == pressure::most_cavitation_rounds) break;
     }
-    tell_section_flow(out);
+    find_section_flow(out);
     // The matrices are not needed any more; freeing them here lowers the peak of memory.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
     finish(out);
@@ -555,13 +555,13 @@ class WindowSolver {
   /// Computes the flow through each column: the sum of the terms with which its pressure enters the rows of the matrix.
   /// Where a surface is within reach of the face, the pairs beyond it are missing and the sum is too small (by 7 %
   /// under a front that has advanced by a few spacings): the flow there is set to NaN.
-  void tell_face_flow(WindowSolution<D>& out) const {
+  void find_face_flow(WindowSolution<D>& out) const {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
     out.face_carry.assign(count, 0.0);
     for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
       if (cells_.has_cell(a)) {
-        tell_face_flow_of_cell(a, out);
+        add_face_flow_of_cell(a, out);
         continue;
       }
       if (s_.beyond[a] == 0) continue;
@@ -601,7 +601,7 @@ class WindowSolver {
   /// Adds the flow through the sides of a cell towards buffers. It is divided among the columns of the same straight
   /// piece of the face by the weights of pairs. If each column had the flow through the sides towards its own buffers,
   /// a buffer ahead of others would expose more of its cell, and so get ahead of them further.
-  void tell_face_flow_of_cell(std::size_t a, WindowSolution<D>& out) const {
+  void add_face_flow_of_cell(std::size_t a, WindowSolution<D>& out) const {
     for_faces(a, q_[a].kf, [&](Index column, double w, double pressure, Index q) {
       const Buffer<D>& through = s_.buffers[q - n_];
       const auto beside = [&](const Buffer<D>& b) {
@@ -624,7 +624,7 @@ class WindowSolver {
   /// either side let in. For a sum of the particles' velocities this is not so: beside another soil it depends on the
   /// number of rows of particles in the soil. The flow by inertia is added, in the same form, to the flow that the
   /// pressure drives.
-  void tell_section_flow(WindowSolution<D>& out) const {
+  void find_section_flow(WindowSolution<D>& out) const {
     out.section_flow.assign(in_.sections.size(), 0.0);
     if constexpr (D == 2)
       for (std::size_t i = 0; i < in_.sections.size(); ++i) out.section_flow[i] = flow_through(in_.sections[i], out);
@@ -1196,7 +1196,7 @@ class WindowSolver {
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
     out.gradient = pressing_gradient(out.pressure, false);
-    tell_face_flow(out);
+    find_face_flow(out);
     VecArray<D> flux;  // empty if the mobility is uniform
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
     if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {

@@ -52,11 +52,9 @@ std::optional<Probe> Probes::at(const Point3& x) const {
   // A place on the border of two soils belongs to the soil of the nearest point. Without this shift, rounding would
   // decide.
   const Point3 inside = x + 1e-6 * (network_.position[nearest(x, std::nullopt)] - x);
-  std::optional<std::size_t> soil;
-  for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
-    if (contains(scene_.soils[s].shape, inside, scene_.general.dimension)) soil = s;
+  const Soil* soil = soil_at(scene_, inside);
   if (!soil) return std::nullopt;
-  const Index a = nearest(x, soil);
+  const Index a = nearest(x, static_cast<std::size_t>(soil - scene_.soils.data()));
   if (scene_.general.dimension == 3) return in_space(x, a);
   const auto& around = neighbours_[a];
   Probe best{{a, a, a, a}, {1.0, 0.0, 0.0, 0.0}};

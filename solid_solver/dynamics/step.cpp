@@ -96,7 +96,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     force += drive.distributed[i];
     if (!drive.traction.empty()) force += drive.traction[i];
     state.body[i] = (p.mass[i] * setup.gravity + drive.distributed[i]) / p.volume[i];
-    const double rate = dt / p.mass[i], damping = state.regions.is_calm(i) ? drive.damping_of_calm : drive.damping;
+    const double rate = dt / p.mass[i], damping = drive.damping_at(state, i);
     if (drive.tracking.empty()) {
       p.velocity[i] = (p.velocity[i] + rate * force) / (1.0 + dt * damping);
       return;

@@ -17,6 +17,10 @@ struct Drive {
   double damping = 0.0;               ///< 1/s, damping rate of all soil
   bool timeless = false;              ///< velocities serve a search for rest: no strength depends on them
   double damping_of_calm = 0.0;       ///< 1/s, damping rate of regions that are calm while other regions flow
+  /// Damping rate [1/s] at a particle.
+  [[nodiscard]] double damping_at(const State<D>& state, std::size_t i) const {
+    return state.regions.is_calm(i) ? damping_of_calm : damping;
+  }
 };
 
 /// Builds lists and images anew. The forces must be evaluated afterwards.

@@ -79,8 +79,7 @@ template <int D>
 AlongWall<D> along_wall(const State<D>& state, std::size_t i, const Drive<D>& drive, double dt, const Vec<D>& slip) {
   const Particles<D>& p = state.particles;
   const double density = p.mass[i] / p.volume[i];
-  const double damping = state.regions.is_calm(i) ? drive.damping_of_calm : drive.damping;
-  AlongWall<D> out{density * (1.0 / dt + damping), (density / dt) * slip};
+  AlongWall<D> out{density * (1.0 / dt + drive.damping_at(state, i)), (density / dt) * slip};
   if (drive.tracking.empty()) return out;
   const double follows = drive.tracking[i] / p.volume[i];
   out.resistance += follows;

@@ -206,8 +206,7 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
                          : gauge.kind == "received_impulse" ? received
                                                             : Vec<D>(momentum - received - state.from_outside);
       for (int d = 0; d < D; ++d)
-        if (gauge.kind != "momentum" || gauge.quantity.empty() ||
-            gauge.quantity.ends_with(axes[static_cast<std::size_t>(d)]))
+        if (gauge.reads_component(d))
           readings.push_back(
               {fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
     } else if (gauge.kind == "kinetic_energy") {

@@ -17,58 +17,63 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
   OutputFrame frame;
   frame.time = state.time;
   frame.count = p.free();
-  frame.position = tell_vectors<D>(p.position);
+  frame.position = write_vectors<D>(p.position);
   const Vec<D> up = upwards(setup);
   const auto stress = [&p](std::size_t i, double* components) { std::copy_n(p.stress[i].data(), 6, components); };
-  const auto add = [&](FieldDeclaration&& declared, TellParticle&& tell) {
-    frame.fields.push_back({std::move(declared), std::move(tell)});
+  const auto add = [&](FieldDeclaration&& declared, ParticleWriter&& write) {
+    frame.fields.push_back({std::move(declared), std::move(write)});
   };
   add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3},
-      tell_vectors<D>(p.displacement));
-  add({"velocity", "m/s", "velocity of the skeleton", 3}, tell_vectors<D>(p.velocity));
+      write_vectors<D>(p.displacement));
+  add({"velocity", "m/s", "velocity of the skeleton", 3}, write_vectors<D>(p.velocity));
   add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6}, stress);
   add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1},
-      tell_scalars([&state](std::size_t i) { return state.external.pressure[i]; }));
+      write_scalars([&state](std::size_t i) { return state.external.pressure[i]; }));
   add({"water_force", "N/m3", "force of the pore water on the skeleton: pressure, and the drag of steady flow", 3},
-      tell_vectors_by<D>([&state, &setup](std::size_t i) { return standing_water_force(setup, state, i); }));
+      write_vectors_by<D>([&state, &setup](std::size_t i) { return standing_water_force(setup, state, i); }));
   if (!p.slipped.empty())
     add({"wall_slip", "m", "displacement that belongs to the soil's slip along frictional walls", 3},
-        tell_vectors<D>(p.slipped));
+        write_vectors<D>(p.slipped));
   add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1},
-      tell_scalars([&p, &setup](std::size_t i) { return void_fraction(setup, p, i); }));
+      write_scalars([&p, &setup](std::size_t i) { return void_fraction(setup, p, i); }));
   add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1},
-      tell_scalars([&state](std::size_t i) { return state.external.saturation[i]; }));
+      write_scalars([&state](std::size_t i) { return state.external.saturation[i]; }));
   add({"coverage", "1", "fraction of the particle that the water's points cover", 1},
-      tell_scalars([&state](std::size_t i) { return state.external.coverage[i]; }));
+      write_scalars([&state](std::size_t i) { return state.external.coverage[i]; }));
   add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1},
-      tell_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
+      write_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
   add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1},
-      tell_scalars([&p](std::size_t i) { return mobilised_friction(p.stress[i]); }));
+      write_scalars([&p](std::size_t i) { return mobilised_friction(p.stress[i]); }));
   if (std::ranges::any_of(setup.soils, [](const Soil& soil) { return material(*soil.model).has_strength(); }))
     add({"local_factor_of_safety", "1",
          "number by which the strength can be divided until the stress reaches it; NaN: the soil has no such strength",
          1},
-        tell_scalars([&p, &state, &setup](std::size_t i) {
+        write_scalars([&p, &state, &setup](std::size_t i) {
           const Condition condition = at_once(setup, p, i, state.external.saturation[i]);
           const double factor = setup.models[p.material[i]]->local_factor(p.stress[i], condition, p.state_of(i));
           return std::min(factor, readings::largest_local_factor);  // NaN stays NaN
         }));
   add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1},
-      tell_scalars([&p, &state, up](std::size_t i) {
+      write_scalars([&p, &state, up](std::size_t i) {
         return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
       }));
   std::map<std::string, StateVariable> remembered;  // the state variables of all materials, by name
   for (const auto& model : setup.models)
     for (const StateVariable& variable : model->state_variables()) remembered.try_emplace(variable.name, variable);
   for (const auto& [name, variable] : remembered)
-    add({name, variable.unit, variable.meaning, 1}, tell_scalars([&p, &setup, name](std::size_t i) {
+    add({name, variable.unit, variable.meaning, 1}, write_scalars([&p, &setup, name](std::size_t i) {
           const auto variables = setup.models[p.material[i]]->state_variables();
           const auto found = std::ranges::find(variables, name, &StateVariable::name);
           return found == variables.end() ? 0.0 : p.state_of(i)[static_cast<std::size_t>(found - variables.begin())];
         }));
   add({"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
-      tell_scalars([&p](std::size_t i) { return p.volume[i]; }));
+      write_scalars([&p](std::size_t i) { return p.volume[i]; }));
   return frame;
+}
+
+OutputField failing_strain_field(const ScalarArray& strain, const std::string& factor) {
+  return {{"failing_strain", "1", "plastic strain of the soil that fails, its strength divided by " + factor, 1},
+          write_scalars([&strain](std::size_t i) { return i < strain.size() ? strain[i] : 0.0; })};
 }
 
 template <int D>

@@ -10,6 +10,10 @@ namespace poretwin::solid {
 template <int D>
 OutputFrame frame_of(const Setup<D>& setup, const State<D>& state);
 
+/// The field `failing_strain` of a frame. strain: of the free particles, as in FactorOfSafety; it must outlive the
+/// frame, and is zero where it is empty. factor: by which the strength is divided, in words.
+OutputField failing_strain_field(const ScalarArray& strain, const std::string& factor);
+
 template <int D>
 std::map<std::string, double> counters_of(const State<D>& state, const RestReport& rest);
 

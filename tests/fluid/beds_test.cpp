@@ -1,9 +1,8 @@
 // Water as particles in rigid soil in beds, which conducts better along the beds than across them.
+#include "tests/beds.hpp"
 #include "fluid_solver/discretisation/bedded_cells.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
-
-#include <Eigen/Sparse>
 
 #include <gtest/gtest.h>
 
@@ -14,14 +13,10 @@ namespace poretwin::fluid {
 namespace {
 
 using namespace test;
+using poretwin::test::PoissonsEquation, poretwin::test::bedded_tensor, poretwin::test::turned;
 
 constexpr double along = 1e-4, ratio = 10.0;  // m/s, 1
 
-/// A point turned around the origin by an angle [degrees].
-Point3 turned(double x, double y, double angle) {
-  const double c = std::cos(angle * M_PI / 180.0), s = std::sin(angle * M_PI / 180.0);
-  return {c * x - s * y, s * x + c * y, 0.0};
-}
 /// A line between two points of a plane that is turned by an angle [degrees].
 Face turned_line(double x0, double y0, double x1, double y1, double angle) {
   Face face;
@@ -68,11 +63,6 @@ VecArray<2> square(int rows, double jitter) {
   return x;
 }
 
-Mat<2> tensor(double angle, double times) {
-  const Vec<2> n = turned(0.0, 1.0, angle).head<2>();
-  return Mat<2>::Identity() - (1.0 - 1.0 / times) * n * n.transpose();
-}
-
 /// The cells of particles in a unit square without walls.
 struct Cells {
   Cells(int rows, double jitter, const Mat<2>& K)
@@ -92,7 +82,7 @@ TEST(BeddedSoil, CellsPassUniformFlowUnchanged) {
   for (const double times : {0.01, 0.1, 3.0, 10.0, 30.0, 100.0})
     for (const double angle : {0.0, 17.0, 30.0, 45.0, 90.0})
       for (const double jitter : {0.0, 0.2}) {
-        const Mat<2> K = tensor(angle, times);
+        const Mat<2> K = bedded_tensor(angle, times);
         const Cells made(rows, jitter, K);
         const auto& x = made.x;
         for (const double direction : {0.0, 90.0}) {
@@ -113,36 +103,20 @@ TEST(BeddedSoil, CellsPassUniformFlowUnchanged) {
       }
 }
 
-/// Root mean square error of -div(K grad u) = f on a unit square, K = 1 along beds that rise at 30 degrees and 1/10
-/// across them, u = cos(pi x) cos(pi y) prescribed along a rim of 0.2 m.
+/// Error of Poisson's equation on cells of `rows` particles a side, with beds that rise at 30 degrees.
 double poisson_error(int rows, double jitter) {
-  const Mat<2> K = tensor(30.0, ratio);
+  const Mat<2> K = bedded_tensor(30.0, ratio);
   const Cells made(rows, jitter, K);
-  const auto& x = made.x;
-  const auto n = static_cast<Eigen::Index>(x.size());
-  const auto exact = [&](std::size_t a) { return std::cos(M_PI * x[a].x()) * std::cos(M_PI * x[a].y()); };
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd b(n), error(n);
-  for (std::size_t a = 0; a < x.size(); ++a) {
-    const auto row = static_cast<Eigen::Index>(a);
-    if ((x[a] - Vec<2>(0.5, 0.5)).cwiseAbs().maxCoeff() > 0.3) {
-      entries.emplace_back(row, row, 1.0);
-      b[row] = exact(a);
-      continue;
-    }
-    const double mixed = M_PI * M_PI * std::sin(M_PI * x[a].x()) * std::sin(M_PI * x[a].y());
-    b[row] = made.volume[a] * (M_PI * M_PI * K.trace() * exact(a) - 2.0 * K(0, 1) * mixed);
+  const PoissonsEquation equation{K, 0.2, made.x, made.volume};
+  std::vector<PoissonsEquation::Link> links;
+  for (std::size_t a = 0; a < made.x.size(); ++a) {
+    if (equation.on_rim(a)) continue;
     for (const auto& side : made.cells.sides(a)) {
       EXPECT_GE(side.shared, 0.0);
-      entries.emplace_back(row, row, side.shared);
-      entries.emplace_back(row, static_cast<Eigen::Index>(side.other), -side.shared);
+      links.push_back({a, side.other, side.shared});
     }
   }
-  Eigen::SparseMatrix<double> matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::VectorXd u = Eigen::SparseLU<Eigen::SparseMatrix<double>>(matrix).solve(b);
-  for (std::size_t a = 0; a < x.size(); ++a) error[static_cast<Eigen::Index>(a)] = exact(a);
-  return (error - u).norm() / std::sqrt(static_cast<double>(n));
+  return equation.error(links);
 }
 
 TEST(BeddedSoil, CellsSolvePoissonsEquationAtSecondOrder) {
@@ -204,7 +178,7 @@ TEST(BeddedSoil, BetweenWallsWaterFlowsAlongThemWhereBedsAreOblique) {
       Fluid<2> fluid(scene);
       fluid.initialise({});
       fluid.advance({0, 0.0, 0.1}, {});
-      const Mat<2> K = along * tensor(beds, ratio);
+      const Mat<2> K = along * bedded_tensor(beds, ratio);
       const double fall = reading(fluid, "left") - reading(fluid, "right");
       EXPECT_NEAR(reading(fluid, "q"), 0.5 * fall * (K(0, 0) - K(0, 1) * K(0, 1) / K(1, 1)), 2e-3 * along * fall);
       EXPECT_NEAR(reading(fluid, "low") - reading(fluid, "high"), -0.5 * fall * K(0, 1) / K(1, 1), 2e-3 * fall);

@@ -1,4 +1,4 @@
-// Lattices in shapes.
+// Lattices in shapes; the soil at a place.
 #include "common/geometry/shapes.hpp"
 
 #include <gtest/gtest.h>
@@ -58,6 +58,20 @@ TEST(Fill, ATurnedRectangleHasRowsAlongItsSides) {
   EXPECT_LT((lattice.position[0] - first).norm(), 1e-12);
   EXPECT_LT((lattice.position[1] - next).norm(), 1e-12);
   EXPECT_LT((lattice.position[199] - last).norm(), 1e-12);
+}
+
+TEST(SoilAt, OfSoilsThatOverlapTheFirstCounts) {
+  Case scene;
+  scene.soils.resize(2);
+  scene.soils[0].shape = polygon({Point3(0, 0, 0), Point3(2, 0, 0), Point3(0, 2, 0)});
+  scene.soils[1].shape.kind = Shape::Kind::box;
+  scene.soils[1].shape.max = Point3(2, 2, 0);
+  scene.fluid.regions = {scene.soils[0].shape};
+  EXPECT_EQ(soil_at(scene, Point3(0.5, 0.5, 0)), &scene.soils[0]);
+  EXPECT_EQ(soil_at(scene, Point3(1.5, 1.5, 0)), &scene.soils[1]);
+  EXPECT_EQ(soil_at(scene, Point3(2.5, 1.5, 0)), nullptr);
+  EXPECT_TRUE(in_fluid_region(scene, Point3(0.5, 0.5, 0)));
+  EXPECT_FALSE(in_fluid_region(scene, Point3(1.5, 1.5, 0)));
 }
 
 }  // namespace

@@ -50,17 +50,17 @@ OutputFrame frame_of(std::size_t n, double time) {
                   {{"velocity", "m/s", "Velocity", 3}, {}},
                   {{"effective_stress", "Pa", "Effective stress, compression negative", 6}, {}}};
   for (auto& field : frame.fields)
-    field.tell = [base, components = field.components](std::size_t i, double* numbers) {
+    field.write = [base, components = field.components](std::size_t i, double* numbers) {
       for (int c = 0; c < components; ++c) numbers[c] = base(i) * (1.0 + c) + 1e-13 * c;
     };
   return frame;
 }
 
 /// The numbers of all particles in one array.
-std::vector<double> told(const OutputFrame& frame, int components, const TellParticle& tell) {
+std::vector<double> values_of(const OutputFrame& frame, int components, const ParticleWriter& write) {
   const auto each = static_cast<std::size_t>(components);
   std::vector<double> numbers(frame.count * each);
-  for (std::size_t i = 0; i < frame.count; ++i) tell(i, &numbers[i * each]);
+  for (std::size_t i = 0; i < frame.count; ++i) write(i, &numbers[i * each]);
   return numbers;
 }
 
@@ -95,7 +95,7 @@ void expect_steps(const std::filesystem::path& path, const std::vector<OutputFra
     ASSERT_EQ(ids, points);
     EXPECT_EQ(times[s], frames[s].time);
     EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3),
-              told(frames[s], 3, frames[s].position));
+              values_of(frames[s], 3, frames[s].position));
     EXPECT_THAT(rows(file.read_integers(top + "Types"), cell_offsets[s], cells, 1), testing::Each(1));
     // The reader's rule: a step's row of `Offsets` starts at its cell offset, plus one for each part before it.
     const auto offsets = rows(file.read_integers(top + "Offsets"), cell_offsets[s] + part_offsets[s], cells + 1, 1);
@@ -105,7 +105,7 @@ void expect_steps(const std::filesystem::path& path, const std::vector<OutputFra
     for (const auto& field : frames[s].fields) {
       const auto offset = file.read_integers(steps + "PointDataOffsets/" + field.name)[s];
       EXPECT_EQ(rows(file.read_numbers(top + "PointData/" + field.name), offset, points, field.components),
-                told(frames[s], field.components, field.tell));
+                values_of(frames[s], field.components, field.write));
     }
   }
 }

@@ -2,9 +2,8 @@
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/solid.hpp"
 #include "pore_solver/network.hpp"
+#include "tests/beds.hpp"
 #include "tests/pore/scenes.hpp"
-
-#include <Eigen/Sparse>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +11,8 @@
 
 namespace poretwin::pore::test {
 namespace {
+
+using poretwin::test::turned;
 
 constexpr double along = 1e-4, ratio = 10.0;  // m/s, 1
 
@@ -22,12 +23,7 @@ Soil bedded(const Point3& normal = Point3::Zero()) {
   return soil;
 }
 
-/// A point of a rectangle that is turned around the origin by an angle [degrees]; in space it is turned in the plane of
-/// x and z.
-Point3 turned(double x, double y, double angle) {
-  const double c = std::cos(angle * M_PI / 180.0), s = std::sin(angle * M_PI / 180.0);
-  return {c * x - s * y, s * x + c * y, 0.0};
-}
+/// A point of the plane of x and y in space, where this plane is that of x and z.
 Point3 in_space(const Point3& x) { return {x.x(), 0.0, x.y()}; }
 
 /// Discharge per area through a rectangle of 1 x 0.5 m, turned by `angle`, from its left end to its right one, between
@@ -84,46 +80,22 @@ TEST(Anisotropy, FlowAlongAndAcrossInclinedBedsIsExactOnDisorderedPoints) {
     }
 }
 
-/// Root mean square error of -div(K grad u) = f on a unit square, K = 10 along beds that rise at 30 degrees and 1
-/// across them, u = cos(pi x) cos(pi y) prescribed along a rim of 0.15 m.
+/// Error of Poisson's equation on a network of `rows` points a side, with beds that rise at 30 degrees.
 double poisson_error(int rows, double jitter) {
-  Soil soil = bedded(turned(0.0, 1.0, 30.0));
-  Case scene = scene_of(soil, box(0.0, 0.0, 1.0, 1.0), 1.0 / rows, 1.0);
+  Case scene = scene_of(bedded(turned(0.0, 1.0, 30.0)), box(0.0, 0.0, 1.0, 1.0), 1.0 / rows, 1.0);
   scene.fluid.jitter = jitter;
   const Network net = make_network(scene);
-  const auto n = static_cast<Eigen::Index>(net.size());
-  const Point3 e = turned(1.0, 0.0, 30.0);
-  const double kxx = 1.0 + (ratio - 1.0) * e.x() * e.x(), kyy = 1.0 + (ratio - 1.0) * e.y() * e.y(),
-               kxy = (ratio - 1.0) * e.x() * e.y();
-  const auto is_rim = [&](Eigen::Index i) {
-    const Point3& x = net.position[static_cast<std::size_t>(i)];
-    return std::min({x.x(), 1.0 - x.x(), x.y(), 1.0 - x.y()}) < 0.15;
-  };
-  std::vector<Eigen::Triplet<double>> entries;
+  poretwin::test::PoissonsEquation equation{poretwin::test::bedded_tensor(30.0, ratio), 0.15, {}, net.volume};
+  for (const Point3& x : net.position) equation.x.emplace_back(x.head<2>());
+  std::vector<poretwin::test::PoissonsEquation::Link> links;
   for (const auto& link : net.links) {
     EXPECT_GT(link.transmissibility, 0.0);
     EXPECT_EQ(link.of_a, link.of_b);
-    const double t = ratio * link.of_a * link.transmissibility;
-    for (const auto& [i, j] : {std::pair{link.a, link.b}, std::pair{link.b, link.a}}) {
-      if (is_rim(i)) continue;
-      entries.emplace_back(i, i, t);
-      entries.emplace_back(i, j, -t);
-    }
+    const double t = link.of_a * link.transmissibility;
+    links.push_back({link.a, link.b, t});
+    links.push_back({link.b, link.a, t});
   }
-  Eigen::VectorXd b(n), exact(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Point3& x = net.position[static_cast<std::size_t>(i)];
-    exact[i] = std::cos(M_PI * x.x()) * std::cos(M_PI * x.y());
-    const double mixed = M_PI * M_PI * std::sin(M_PI * x.x()) * std::sin(M_PI * x.y());
-    b[i] = (M_PI * M_PI * (kxx + kyy) * exact[i] - 2.0 * kxy * mixed) * net.volume[static_cast<std::size_t>(i)];
-    if (!is_rim(i)) continue;
-    entries.emplace_back(i, i, 1.0);
-    b[i] = exact[i];
-  }
-  Eigen::SparseMatrix<double> matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::VectorXd u = Eigen::SparseLU<Eigen::SparseMatrix<double>>(matrix).solve(b);
-  return std::sqrt((u - exact).squaredNorm() / static_cast<double>(n));
+  return equation.error(links);
 }
 
 TEST(Anisotropy, PoissonsEquationConvergesAtSecondOrderOnJitteredPoints) {

@@ -59,7 +59,7 @@ std::vector<double> field_of(const OutputFrame& frame, const std::string& name) 
   const auto found = std::ranges::find(frame.fields, name, &OutputField::name);
   if (found == frame.fields.end()) throw std::out_of_range("the frame has no field " + name);
   std::vector<double> values(frame.count);
-  for (std::size_t i = 0; i < frame.count; ++i) found->tell(i, &values[i]);
+  for (std::size_t i = 0; i < frame.count; ++i) found->write(i, &values[i]);
   return values;
 }
 

@@ -450,7 +450,7 @@ TEST(Frame, ShowsTheDocumentedFields) {
     names.push_back(f.name);
     std::array<double, 7> told;
     told.fill(std::nan(""));
-    f.tell(frame.count - 1, told.data());
+    f.write(frame.count - 1, told.data());
     EXPECT_EQ(std::count_if(told.begin(), told.end(), [](double x) { return std::isfinite(x); }), f.components)
         << f.name;
     EXPECT_FALSE(f.unit.empty());

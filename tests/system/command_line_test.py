@@ -30,6 +30,14 @@ def commands(path=()):
         yield from commands((*path, name))
 
 
+def fnv1a(data):
+    """The hash of the case file in run.toml."""
+    value = 14695981039346656037
+    for byte in data:
+        value = (value ^ byte) * 1099511628211 % 2**64
+    return value
+
+
 def described(what):
     return subprocess.run([PROGRAM, "describe", what], capture_output=True, text=True, check=True).stdout
 
@@ -89,6 +97,18 @@ class CommandLine(unittest.TestCase):
     def test_scripts_take_the_options_that_the_program_declares(self):
         for command, script in (("plot", "cli/plot.py"), ("report", "cli/report.py"), ("view", "view/server.py"), ("bench", "bench/study.py")):
             self.assertEqual(options_in(help_of(PROGRAM, command)) - {"--json"}, options_in(help_of("/usr/bin/python3", "-B", SOURCE / script)))
+
+    def test_a_report_shows_the_defaults_of_materials(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run, case = pathlib.Path(folder) / "run", pathlib.Path(folder) / "case.toml"
+            run.mkdir()
+            case.write_text('[[soil]]\nmodel = "mu_i"\ngrain_diameter = 0.002\n[[soil]]\nmodel = "modified_cam_clay"\n')
+            (run / "run.toml").write_text(f'case_file = "{case}"\n[identity]\n"case file" = "{fnv1a(case.read_bytes()):016x}"\n')
+            subprocess.run([PROGRAM, "report", run], check=True, capture_output=True)
+            page = (run / "report.html").read_text()
+        for shown in ([0.38, 0.64, 0.279, 0.005, 2, 0, 0.585, 0.3333], [0.1, 0.02, 1, 1]):
+            self.assertIn("".join(f'<td class="number">{v:g}</td>' for v in shown), page)
+        self.assertIn('<td class="number">1</td><td></td></tr>', page, "no preconsolidation pressure: it follows from the ratio")
 
     def test_exit_codes_are_the_same_in_help_docs_and_man_page(self):
         rows = re.findall(r"^  +(\d+)  (.+)$", help_of(PROGRAM).split("Exit codes:")[1], re.MULTILINE)

@@ -32,6 +32,12 @@ TEST_F(CommandWithStandIns, HelpAndVersion) {
   EXPECT_EQ(poretwin({"rnu"}).exit, 2);
 }
 
+TEST_F(CommandWithStandIns, UnexpectedArgumentsAreNamedInTheOrderGiven) {
+  const auto outcome = poretwin({"check", terzaghi().string(), "second", "--untill", "3"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("not expected: second --untill 3\n"));
+}
+
 TEST_F(CommandWithStandIns, CheckTellsWhatACaseIs) {
   const auto outcome = poretwin({"check", terzaghi().string()});
   EXPECT_EQ(outcome.exit, 0);

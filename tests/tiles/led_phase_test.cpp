@@ -26,15 +26,15 @@ class NumbersRecorder final : public Recorder {
   std::vector<std::size_t> particles;                  ///< of each frame
   void frame(const OutputFrame& frame) override {
     particles.push_back(frame.count);
-    const auto keep = [&](const std::string& name, int components, const TellParticle& tell) {
+    const auto keep = [&](const std::string& name, int components, const ParticleWriter& write) {
       auto& all = numbers[name];
       for (std::size_t i = 0; i < frame.count; ++i) {
         all.resize(all.size() + static_cast<std::size_t>(components));
-        tell(i, &*all.end() - components);
+        write(i, &*all.end() - components);
       }
     };
     keep("position", 3, frame.position);
-    for (const auto& field : frame.fields) keep(field.name, field.components, field.tell);
+    for (const auto& field : frame.fields) keep(field.name, field.components, field.write);
   }
   void gauges(double, const std::vector<GaugeReading>& readings) override {
     for (const auto& r : readings) numbers["gauge " + r.gauge].push_back(r.value);
