@@ -36,7 +36,8 @@ inline constexpr std::array<double, 3> asymmetry_outside{0.482, 0.64, 0.14};
 
 /// Water beside tight soil that moves slips past it where the soil covers it by more than this and it lies less than
 /// half in the soil. A single point of soil covers water within the ramp of the asymmetry by less (0.19 to 0.28): there
-/// is no edge then, and the water drags. Unit: 1. Test: SoilSurface.WaterSlipsPastAnEdgeButDragsASinglePoint.
+/// is no edge then, and the water drags.
+/// Unit: 1. Test: SoilSurface.WaterSlipsPastAnEdgeButDragsASinglePoint.
 inline constexpr double least_edge = 0.28;
 
 /// Smoothing length of the sums (67) and (74) of Bui & Nguyen (2017), who use the same value and kernel (cubic spline).
