@@ -1,6 +1,7 @@
 // What the tests of soil in beds share: turned points, and a Poisson equation with an exact solution.
 #pragma once
 
+#include "common/case/case.hpp"
 #include "common/core/vector.hpp"
 
 #include <Eigen/Sparse>
