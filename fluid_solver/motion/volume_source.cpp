@@ -34,16 +34,22 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
   if (setup.scheme != FluidCase::Scheme::projection || state.last_interval <= 0.0) return deferred;
   const auto touches_soil = [&](std::size_t a) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real && view.mask[q] > 0.0) return true;
+      if (const Index q = s.parent[s.other[k]];
+          q < s.n_real && view.mask[q] > 0.0 && is_drag_dominated<D>(setup, p, view, q))
+        return true;
     return false;
   };
   parallel_for(p.size(), [&](std::size_t a) {
     if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, p, view, a) &&
         s.length(a) * s.normal[a].norm() > motion::even_surroundings && !touches_soil(a))
-      deferred[a] = std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
+      deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
   if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
-  const ScalarArray outflow = divergence<D>(s, p.velocity, Carried::yes);
+  VecArray<D> flux(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * p.solid_velocity[a];
+  });
+  const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
   parallel_for(p.size(), [&](std::size_t a) { deferred[a] *= outflow[a]; });
   return deferred;
 }

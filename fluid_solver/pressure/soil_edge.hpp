@@ -25,8 +25,9 @@ struct EdgePair {
   [[nodiscard]] double lead() const { return ends ? (theirs - own) / (own + theirs) : 0.0; }
 };
 
-/// The pairs at the edge of soil under free water (docs/theory/coupling.md). Where the flux is continuous
-/// through the edge, flux and pressure there follow from the two halves of each pair:
+/// The pairs at the edge of soil under free water (docs/theory/coupling.md). In coarse soil, where inertia dominates,
+/// water is treated as free water: it has no edge. Where the flux is continuous through the edge, flux and pressure
+/// there follow from the two halves of each pair:
 ///
 ///   F = [R_a U_a + R_q U_q - (p_q - p_a)/r] / (R_a + R_q),      p_e = p_a + r R_a (U_a - F)
 ///
@@ -37,10 +38,10 @@ class SoilEdge {
  public:
   SoilEdge() = default;
   /// mobility [n]: kf, m4/(N s). free_resistance: of free water per length, rho / dt [N s/m4]. presses(a): whether the
-  /// skeleton at a responds.
-  template <class Mobility, class Presses>
+  /// skeleton at a responds. coarse(a): whether inertia dominates there.
+  template <class Mobility, class Presses, class Coarse>
   SoilEdge(const Stencil<D>& s, const SoilView<D>& soil, const Mobility& mobility, double free_resistance,
-           const Presses& presses)
+           const Presses& presses, const Coarse& coarse)
       : s_(&s) {
     if (!soil.outside.is_allocated()) return;
     const std::size_t n = s.n_real;
@@ -76,20 +77,19 @@ class SoilEdge {
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k], q = s.parent[j];
         if (q >= n || (soil.mask[a] >= 1.0 && soil.mask[q] >= 1.0) ||
-            (soil.fraction[a] <= 0.0 && soil.fraction[q] <= 0.0))
+            (soil.fraction[a] <= 0.0 && soil.fraction[q] <= 0.0) || coarse(soil.mask[a] > soil.mask[q] ? a : q))
           continue;
         pairs_[i].push_back(made(a, k, soil, mobility, free_resistance));
       }
       if (presses(a)) find_push(a, pairs_[i]);
-      if (soil.fraction[a] <= 0.0) find_missing(a, pairs_[i]);
+      // Only beside soil's points: then all that pair with a are in particles_, and the matrix stays symmetric.
+      if (soil.fraction[a] <= 0.0 && meets(a)) find_missing(a, pairs_[i]);
     });
   }
 
   [[nodiscard]] bool empty() const { return particles_.empty(); }
   /// Whether the pressure at the edge presses the skeleton of this particle.
   [[nodiscard]] bool presses(std::size_t a) const { return !push_.empty() && push_[a] > 0.0; }
-  /// Unit vector into the soil; zero far from its edge.
-  [[nodiscard]] const Vec<D>& into_soil(std::size_t a) const { return into_soil_[a]; }
   /// N s/m4 per length: gradient of the pressure on the skeleton per change of the flux towards the free water, which
   /// must accelerate with it.
   [[nodiscard]] double push(std::size_t a) const { return push_[a]; }
@@ -271,7 +271,7 @@ class SoilEdge {
   const Stencil<D>* s_ = nullptr;
   std::vector<std::size_t> particles_;        ///< within reach of the edge
   std::vector<std::vector<EdgePair>> pairs_;  ///< of each of them
-  VecArray<D> into_soil_;                     ///< [n]
+  VecArray<D> into_soil_;                     ///< [n] unit vector into the soil; zero far from its edge
   ScalarArray push_;                          ///< [n]
   ScalarArray steeper_;                       ///< [n] factor on the gradient across the edge: pairs end there
   std::vector<char> free_;                    ///< [n] whether no soil covers the particle

@@ -195,7 +195,7 @@ class WindowSolver {
     if (!soil_.outside.is_allocated() || !in_.inertia) return;
     edge_ = SoilEdge<D>(
         s_, soil_, [&](std::size_t a) { return q_[a].kf; }, in_.density / in_.interval,
-        [&](std::size_t a) { return responds(a); });
+        [&](std::size_t a) { return responds(a); }, [&](std::size_t a) { return is_coarse(a); });
   }
   void conduct_at_edge() {
     edge_.for_pairs([&](std::size_t a, const EdgePair& pair) {
@@ -678,8 +678,11 @@ class WindowSolver {
   /// gradient, would add energy to splashes.
   bool pinned(std::size_t a) const {
     if (flags_[a] == Surface::lone) return true;
-    return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
-           inertia_rules(in_.void_fraction[a], in_.density, q_[a].C, spacing_of<D>(s_.volume[a]),
+    return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 && is_coarse(a);
+  }
+  /// Whether inertia dominates at a particle: in free water and in coarse soil.
+  bool is_coarse(std::size_t a) const {
+    return inertia_rules(in_.void_fraction[a], in_.density, q_[a].C, spacing_of<D>(s_.volume[a]),
                          in_.weight.norm() / in_.density);
   }
   double pinned_pressure(std::size_t a) const {
