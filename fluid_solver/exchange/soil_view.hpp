@@ -197,9 +197,12 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
       return !inertia_rules(n_w, setup.density, drag, setup.spacing, setup.gravity);
     };
     double mask = 0.0;
-    if (inbox.coverage[a] > 0.0) mask = passes_by() ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
-    // In the notches of an edge made of points water slips past, too. Beside single points there is no edge.
-    if (mask < 0.5 && inbox.coverage[a] > exchange::least_edge && passes_by()) mask = 0.0;
+    if (inbox.coverage[a] > 0.0) {
+      const bool slips = passes_by();
+      mask = slips ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
+      // In the notches of an edge made of points water slips past, too. Beside single points there is no edge.
+      if (slips && mask < 0.5 && inbox.coverage[a] > exchange::least_edge) mask = 0.0;
+    }
     const double n_s = whole * mask;
     if (n_s < exchange::least_solid_fraction || !(conductivity[a] > 0.0)) continue;
     soil.velocity.set(a, vector(velocity, a));

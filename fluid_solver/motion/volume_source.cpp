@@ -23,9 +23,10 @@ namespace {
 /// window removes all of the initial divergence.
 ///
 /// Nothing is deferred in soil. Soil that falls on a floor closes the film of water under it within a millisecond. If
-/// the film could be compressed for the several milliseconds of a deferral, it would absorb the blow and return it. Nor
-/// is anything deferred beside soil, where the flux through the soil's edge (SoilEdge) determines the divergence, and
-/// not the pairs' means: of these a sink would remain in every window.
+/// the film could be compressed for the several milliseconds of a deferral, it would absorb the blow and return it. A
+/// particle half covered by soil defers half. Nor is anything deferred beside soil in which drag dominates: there the
+/// flux through the soil's edge (SoilEdge) determines the divergence, and not the pairs' means. Of these a sink would
+/// remain in every window.
 template <int D>
 ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
                                 const SoilView<D>& view, double interval) {

@@ -22,6 +22,19 @@ struct Compressed {
   double top() const { return height * stretch(); }
   double fraction() const { return (1.0 - porosity) / stretch(); }
 
+  /// The soil in a column of water 1.3 m high, without walls.
+  Case scene() const {
+    Case scene;
+    scene.fluid.particle_spacing = scene.solid.particle_spacing = spacing;
+    scene.fluid.regions = {box(0.0, 0.0, width, 1.3)};
+    Soil clay;
+    clay.shape = box(0.0, 0.0, width, height);
+    clay.porosity = porosity;
+    clay.hydraulic_conductivity = conductivity;
+    scene.soils = {clay};
+    return scene;
+  }
+
   coupling::Publication publish(std::uint64_t revision) const {
     coupling::Publication out;
     auto& p = out.points;
@@ -102,15 +115,7 @@ TEST(SoilSurface, WaterSlipsPastAnEdgeButDragsASinglePoint) {
   // Tight soil that moves: a flat edge a fifth of a spacing below the water, and one point half a spacing beside it.
   Compressed soil;
   soil.speed = 1.0;
-  Case scene;
-  scene.fluid.particle_spacing = scene.solid.particle_spacing = soil.spacing;
-  scene.fluid.regions = {box(0.0, 0.0, soil.width, 1.3)};
-  Soil clay;
-  clay.shape = box(0.0, 0.0, soil.width, soil.height);
-  clay.porosity = soil.porosity;
-  clay.hydraulic_conductivity = soil.conductivity;
-  scene.soils = {clay};
-  const fluid::Setup<2> setup(scene, {});
+  const fluid::Setup<2> setup(soil.scene(), {});
   const auto specs = coupling::standard_fields(coupling::Role::solid, 2);
   const auto drag_at = [&](const coupling::Publication& from, const Vec<2>& place) {
     const auto inbox = coupling::make_mapping(2)->map(coupling::Role::solid, from.points, from.fields, specs,
@@ -134,14 +139,7 @@ TEST(SoilSurface, PassesTheWaterOfSoilThatIsCompressed) {
   // gradient of the excess pressure is gamma_w s / k. With the mean of both sides at the surface, the free water beside
   // it moves at more than 3 times the speed of the surface, and its level rises by 15 mm.
   Compressed soil;
-  Case scene;
-  scene.fluid.particle_spacing = scene.solid.particle_spacing = soil.spacing;
-  scene.fluid.regions = {box(0.0, 0.0, soil.width, 1.3)};
-  Soil clay;
-  clay.shape = box(0.0, 0.0, soil.width, soil.height);
-  clay.porosity = soil.porosity;
-  clay.hydraulic_conductivity = soil.conductivity;
-  scene.soils = {clay};
+  Case scene = soil.scene();
   scene.walls = {wall(line(0.0, 2.0, 0.0, 0.0)), wall(line(0.0, 0.0, soil.width, 0.0)),
                  wall(line(soil.width, 0.0, soil.width, 2.0))};
   Fluid<2> fluid(scene);

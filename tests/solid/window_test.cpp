@@ -271,7 +271,7 @@ Case yielding_column(double cohesion) {
 // The plastic shear ratio is published in full for windows of the consolidation time (73 s) or more, as zero for a
 // fifth of it, and linearly between them.
 TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained) {
-  std::vector<double> told;
+  std::vector<double> published;
   for (const double interval : {14.0, 44.0, 80.0}) {
     Solid<2> solid(yielding_column(5000.0));
     const auto dry = test::wet_inbox<2>(
@@ -284,12 +284,12 @@ TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained) {
     const auto& p = solid.state().particles;
     for (std::size_t i = 0; i < p.size(); ++i)
       EXPECT_EQ(yielding[i] > 0.0, interval > 0.2 * 73.0 && p.plastic_strain[i] > 0.0);
-    told.push_back(*std::max_element(yielding.begin(), yielding.begin() + static_cast<int>(p.size())));
+    published.push_back(*std::max_element(yielding.begin(), yielding.begin() + static_cast<int>(p.size())));
   }
-  EXPECT_EQ(told[0], 0.0);
-  EXPECT_NEAR(told[1] / told[2], (44.0 / 72.87 - 0.2) / 0.8, 0.01);
-  EXPECT_GT(told[2], 0.05);
-  EXPECT_LT(told[2], 1.0);  // the stress before the particle yielded was elastic
+  EXPECT_EQ(published[0], 0.0);
+  EXPECT_NEAR(published[1] / published[2], (44.0 / 72.87 - 0.2) / 0.8, 0.01);
+  EXPECT_GT(published[2], 0.05);
+  EXPECT_LT(published[2], 1.0);  // the stress before the particle yielded was elastic
 }
 
 // Water must fill the volume changes of shear: the next window is so long that 95 % of the soil shears by at most 2e-3,
@@ -448,10 +448,10 @@ TEST(Frame, ShowsTheDocumentedFields) {
   std::vector<std::string> names;
   for (const auto& f : frame.fields) {
     names.push_back(f.name);
-    std::array<double, 7> told;
-    told.fill(std::nan(""));
-    f.write(frame.count - 1, told.data());
-    EXPECT_EQ(std::count_if(told.begin(), told.end(), [](double x) { return std::isfinite(x); }), f.components)
+    std::array<double, 7> written;
+    written.fill(std::nan(""));
+    f.write(frame.count - 1, written.data());
+    EXPECT_EQ(std::count_if(written.begin(), written.end(), [](double x) { return std::isfinite(x); }), f.components)
         << f.name;
     EXPECT_FALSE(f.unit.empty());
   }
