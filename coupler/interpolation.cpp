@@ -258,18 +258,27 @@ void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std
   }
 }
 
-/// Computes coverage and asymmetry at the points of a block.
+/// Computes coverage, asymmetry and spread at the points of a block.
 template <int D>
 [[gnu::always_inline]] inline void find_surroundings(const typename PairBlocks<D>::Block& block, const Moments<D>& m,
                                                      Interpolation& out) {
-  Lanes asymmetry{};
-  for (Size a = 0; a < D; ++a) asymmetry += m.wr[a].v * m.wr[a].v;
-  sqrt_in_place(asymmetry);
+  Lanes first{}, second{};
+  for (Size a = 0; a < D; ++a) {
+    first += m.wr[a].v * m.wr[a].v;
+    second += m.wrr[upper<D>(a, a)].v;
+  }
   const LaneMask covered = m.w.v > no_weight;
-  asymmetry = covered ? asymmetry / (covered ? m.wh.v : Lanes{} + 1.0) : Lanes{};
+  const Lanes length = covered ? m.wh.v : Lanes{} + 1.0;
+  Lanes asymmetry = first, spread = m.w.v * second - first;
+  max_in_place(spread, Lanes{});
+  sqrt_in_place(asymmetry);
+  sqrt_in_place(spread);
+  asymmetry = covered ? asymmetry / length : Lanes{};
+  spread = covered ? spread / length : Lanes{};
   for (Size l = 0; l < block.used; ++l) {
     out.coverage[block.point[l]] = covered[l] ? m.w.v[l] : 0.0;
     out.asymmetry[block.point[l]] = asymmetry[l];
+    out.spread[block.point[l]] = spread[l];
   }
 }
 
@@ -288,7 +297,8 @@ bool all_zero(const std::vector<double>& values) {
 template <int D>
 Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup> groups, const PairWeights* made) {
   const Size m = pairs.n_active();
-  Interpolation out{std::vector<double>(m, 0.0), std::vector<double>(m, 0.0), {}};
+  const std::vector<double> zero(m, 0.0);
+  Interpolation out{zero, zero, zero, {}};
   for (const auto& group : groups)
     for (const auto* fields : {&group.fields, &group.properties})
       for (const Field* field : *fields)

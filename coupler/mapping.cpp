@@ -83,7 +83,12 @@ class CloudMapping final : public SpatialMapping {
     for (auto& field : mapped.fields)
       if (is_fraction(field.name))
         for (auto& value : field.values) value = std::clamp(value, 0.0, 1.0);
-    return {std::move(mapped.coverage), std::move(mapped.asymmetry), std::move(mapped.fields), {}, {}};
+    return {std::move(mapped.coverage),
+            std::move(mapped.asymmetry),
+            std::move(mapped.spread),
+            std::move(mapped.fields),
+            {},
+            {}};
   }
 
   Account& account_of(Role giver, const FieldSpec& spec) {

@@ -61,6 +61,7 @@ struct FieldGroup {
 struct Interpolation {
   std::vector<double> coverage;   ///< sum_j V_j W: 1 inside the giver's cloud, 0 outside
   std::vector<double> asymmetry;  ///< |sum_j V_j W (x_j - x)| / (sum_j V_j W h_j): 0 inside, 0.47 on a flat edge
+  std::vector<double> spread;     ///< sqrt(trace C) / h, C: covariance of the x_j: 0 of one point, 0.6 on a flat edge
   std::vector<Field> fields;      ///< group by group
 };
 

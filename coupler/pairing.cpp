@@ -38,6 +38,7 @@ class PairedMapping final : public SpatialMapping {
     Inbox inbox;
     inbox.coverage.assign(partner.size(), 1.0);
     inbox.asymmetry.assign(partner.size(), 0.0);
+    inbox.spread.assign(partner.size(), 1.0);
     for (const auto& spec : specs) {
       const Field& field = field_named(giver_fields, spec.name);
       const auto components = static_cast<Size>(spec.components);

@@ -373,6 +373,7 @@ class Schedule::Implementation {
     message.points = {receiver.dimension, receiver.revision, receiver.n_active, receiver.n_active, false};
     message.arrays.push_back({std::string(coverage_array), "1", 1, std::move(inbox.coverage)});
     message.arrays.push_back({std::string(asymmetry_array), "1", 1, std::move(inbox.asymmetry)});
+    message.arrays.push_back({std::string(spread_array), "1", 1, std::move(inbox.spread)});
     const auto add = [&](Field& field, std::string_view suffix) {
       const auto spec =
           std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& s) { return s.name == field.name; });

@@ -143,7 +143,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     give_drag_impulse<D>(setup_, view, drag_of_prediction, dt, state_);
     store_coupling_force<D>(setup_, view, out.gradient, dt, p);
     passes_.end(p.pressure, p.solid_velocity, p.coupling_force);
-    store_surface_gradient<D>(setup_, s, out.gradient, out.at_edge, p);
+    store_surface_gradient<D>(setup_, s, view, out.gradient, out.at_edge, p);
   }
   if (returns) view.drag = drag;
   if (setup_.coupled && !setup_.responds) predict_explicitly<D>(setup_, view, out.gradient, dt, p);

@@ -145,6 +145,8 @@ class Replay final : public Phase {
         now = &inbox.coverage;
       else if (array.name == asymmetry_array)
         now = &inbox.asymmetry;
+      else if (array.name == spread_array)
+        now = &inbox.spread;
       else
         for (const auto& field : inbox.fields)
           if (field.name == array.name) now = &field.values;

@@ -138,6 +138,9 @@ struct Inbox {
   /// x, in smoothing lengths h. It is 0 inside (0.3 at most for disordered points), 0.47 on a flat edge, 2 at the last
   /// neighbour, and 0 where coverage is 0.
   std::vector<double> asymmetry;
+  /// [n_active] square root of the trace of the covariance of the other side's points, weighted by V W, in smoothing
+  /// lengths: 0 beside a single point, 0.6 on a flat edge. Empty if the coupler does not say it.
+  std::vector<double> spread;
   std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
   /// Values at the window's start of the fields taken `in_time`; absent where they do not change during the window.
   std::vector<Field> at_start;

@@ -15,7 +15,7 @@
 namespace poretwin::coupling {
 
 inline constexpr std::uint32_t protocol_major = 1;
-inline constexpr std::uint32_t protocol_minor = 2;
+inline constexpr std::uint32_t protocol_minor = 3;
 
 /// Reserved names of arrays.
 inline constexpr std::string_view position_array = "@position";
@@ -24,6 +24,7 @@ inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
+inline constexpr std::string_view spread_array = "@spread";
 /// Suffixes of a field's name for its values at the window's start, and for those after the last pass.
 inline constexpr std::string_view start_suffix = "@start", found_suffix = "@found";
 

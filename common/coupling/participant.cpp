@@ -307,6 +307,8 @@ class Participant::Implementation {
         inbox.coverage = std::move(values);
       else if (array.name == asymmetry_array)
         inbox.asymmetry = std::move(values);
+      else if (array.name == spread_array)
+        inbox.spread = std::move(values);
       else if (array.name.ends_with(start_suffix))
         inbox.at_start.push_back(
             {array.name.substr(0, array.name.size() - start_suffix.size()), array.components, std::move(values)});

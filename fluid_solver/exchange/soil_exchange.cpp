@@ -155,13 +155,14 @@ void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::s
 }
 
 template <int D>
-void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,
-                            std::span<const char> at_edge, Particles<D>& p) {
+void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, const SoilView<D>& view,
+                            std::span<const Vec<D>> gradient, std::span<const char> at_edge, Particles<D>& p) {
   p.surface_share = {};
   p.surface_gradient = {};
   for (std::size_t a = 0; a < p.size(); ++a) {
     const bool surface = p.in_seepage[a] == 0 && s.ghost_distance[a] > 0.0, edge = !at_edge.empty() && at_edge[a] != 0;
-    if (p.mask[a] <= 0.5 || !(surface || edge)) continue;
+    const bool loose = !view.loose.empty() && view.loose[a] != 0 && p.mask[a] > 0.0;
+    if (!loose && (p.mask[a] <= 0.5 || !(surface || edge))) continue;
     p.surface_share.set(a, 1.0, p.size());
     p.surface_gradient.set(a, gradient[a] + setup.weight, p.size());
   }
@@ -221,8 +222,8 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
                                 const SeepageRegime& regime);                                                          \
   template void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient, \
                                      double interval, Particles<D>& p);                                                \
-  template void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,   \
-                                       std::span<const char>, Particles<D>& p);                                        \
+  template void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, const SoilView<D>& view,            \
+                                       std::span<const Vec<D>> gradient, std::span<const char>, Particles<D>& p);      \
   template void apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view, State<D>& state);                 \
   template VecArray<D> apply_drag(const Setup<D>& setup, const Particles<D>& p, double interval, SoilView<D>& view,    \
                                   VecArray<D>& velocity);                                                              \

@@ -55,13 +55,13 @@ template <int D>
 void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,
                           double interval, Particles<D>& p);
 
-/// Stores the pressure gradient at the free surface of moving soil and at the edge of soil under free water (at_edge
-/// [n]: 1), for use in place of the soil's own gradient. The latter uses only the pressures at the soil's points and is
-/// one-sided at the surface: it turns the pressure that a grain's motion causes into a force in the direction of that
-/// motion, and accelerates a departing grain without end.
+/// Stores the pressure gradient at the free surface of moving soil, at the edge of soil under free water (at_edge
+/// [n]: 1) and at loose grains, for use in place of the soil's own gradient. The latter uses only the pressures at the
+/// soil's points and is one-sided at the surface: it turns the pressure that a grain's motion causes into a force in
+/// the direction of that motion, and accelerates a departing grain without end.
 template <int D>
-void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,
-                            std::span<const char> at_edge, Particles<D>& p);
+void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, const SoilView<D>& view,
+                            std::span<const Vec<D>> gradient, std::span<const char> at_edge, Particles<D>& p);
 
 /// Predicts the skeleton's new velocity explicitly, for schemes in which the skeleton keeps its velocity in the solve
 /// (plain staggering).

@@ -23,6 +23,7 @@ struct SoilView {
   OrZero<double> outside;   ///< [n] m, distance outside the edge of soil that moves, negative inside; of points within
                             ///< reach of the soil
   OrZero<double> coverage;  ///< [n] coverage by the points of soil that moves: 1 inside, 0 out of their reach
+  std::vector<char> loose;  ///< [n] 1: grains apart from each other, which form no body with an edge; empty: none
   ScalarArray fraction;     ///< [n] solid fraction n_s, which includes the residual water of moist soil
   std::vector<porous::Resistance> resistance;  ///< [n] zero in free water; empty where `drag` is the whole law
   /// [n] Tangent of the drag at the present relative velocity, along the direction of flow: R = C w' - f with C [N
@@ -136,6 +137,19 @@ inline double membership(double asymmetry, double before) {
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
 }
 
+/// Part, 0 to 1, in which the soil's points around a place form a body, which has an inside and an edge. In the rest,
+/// they are grains apart from each other: no place is inside, and only the coverage says how much soil there is. Soil
+/// that does not yield is a body. Soil that yields is one where it covers a place as densely as a body does at the same
+/// asymmetry, by points that spread in space: one grain that has grown, or lies on its image in a wall, is no body.
+inline double body_share(double coverage, double asymmetry, double spread, double yielding) {
+  const auto ramp = [](double value, const std::array<double, 2>& ends) {
+    return std::clamp((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0);
+  };
+  const double of_body = 1.0 - exchange::coverage_slope * asymmetry;
+  const double dense = of_body > 0.0 ? ramp(coverage / of_body, exchange::body_density) : 1.0;
+  return 1.0 - yielding * (1.0 - std::min(dense, ramp(spread, exchange::body_spread)));
+}
+
 /// Soil as the case draws it, at rest and without yielding. drag: whether the soil resists the water.
 template <int D>
 SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
@@ -182,6 +196,7 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
   const Field force{"", D, inbox.between(field::unbalanced_force, 0.0)};  // at the window's start
   const Field &velocity = inbox.at(field::solid_velocity), &mean_velocity = inbox.at(field::mean_solid_velocity),
               &returned = inbox.at(field::returned_impulse);
+  soil.loose.assign(n, 0);
   const bool repeated = !inbox.found.empty();
   if (repeated)
     for (auto* values : {&soil.found_velocity, &soil.found_force}) values->allocate(n);
@@ -198,10 +213,14 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
     };
     double mask = 0.0;
     if (inbox.coverage[a] > 0.0) {
+      const double spread = inbox.spread.empty() ? exchange::body_spread[1] : inbox.spread[a];
+      const double body = body_share(inbox.coverage[a], asymmetry[a], spread, std::clamp(yielding[a], 0.0, 1.0));
       const bool slips = passes_by();
       mask = slips ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
-      // In the notches of an edge made of points water slips past, too. Beside single points there is no edge.
-      if (slips && mask < 0.5 && inbox.coverage[a] > exchange::least_edge) mask = 0.0;
+      // In the notches of an edge made of points water slips past, too.
+      if (slips && mask < 0.5) mask = 0.0;
+      mask = body * mask + (1.0 - body) * std::min(inbox.coverage[a], 1.0);
+      soil.loose[a] = body < 0.5 ? 1 : 0;
     }
     const double n_s = whole * mask;
     if (n_s < exchange::least_solid_fraction || !(conductivity[a] > 0.0)) continue;

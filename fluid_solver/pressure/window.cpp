@@ -195,7 +195,7 @@ class WindowSolver {
     if (!soil_.outside.is_allocated() || !in_.inertia) return;
     edge_ = SoilEdge<D>(
         s_, soil_, [&](std::size_t a) { return q_[a].kf; }, in_.density / in_.interval,
-        [&](std::size_t a) { return responds(a); }, [&](std::size_t a) { return is_coarse(a); });
+        [&](std::size_t a) { return responds(a); }, [&](std::size_t a) { return soil_.loose[a] != 0 || is_coarse(a); });
   }
   void conduct_at_edge() {
     edge_.for_pairs([&](std::size_t a, const EdgePair& pair) {

@@ -136,6 +136,22 @@ TEST(Mapping, CoverageIsTheSumOfWeights) {
   }
 }
 
+TEST(Mapping, SpreadTellsAPointFromAnEdge) {
+  const auto spread_at = [](PointSet source, double x, double y) {
+    PointSet place = lattice_points(2, {x - 0.05, y - 0.05}, {0.1, 0.1}, 0.1);
+    for (auto* points : {&source, &place}) points->smoothing_length.assign(points->size(), 0.12);
+    CloudPairs<2> pairs;
+    pairs.update(source, place);
+    return pairs.interpolate({}, {}).spread.at(0);
+  };
+  const auto square = [](double width, double height) { return lattice_points(2, {0.0, 0.0}, {width, height}, 0.1); };
+  EXPECT_NEAR(spread_at(square(0.1, 0.1), 0.09, 0.05), 0.0, 1e-7);        // one point
+  EXPECT_NEAR(spread_at(square(0.2, 0.1), 0.1, 0.05), 0.5 / 1.2, 1e-12);  // between two
+  EXPECT_NEAR(spread_at(square(2.0, 2.0), 1.05, 2.0), 0.57, 1e-3);        // a flat edge
+  EXPECT_NEAR(spread_at(square(2.0, 2.0), 1.05, 1.05), 0.737, 1e-3);      // inside
+  EXPECT_EQ(spread_at(square(0.1, 0.1), 1.0, 1.0), 0.0);                  // uncovered
+}
+
 template <int D>
 void constants_and_planes(double size, double spacing) {
   const auto source = cloud(D, size, spacing, 1), target = cloud(D, 1.3 * size, 0.9 * spacing, 2);

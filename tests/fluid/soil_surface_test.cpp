@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <random>
+
 namespace poretwin::fluid {
 namespace {
 
@@ -77,6 +80,12 @@ struct Compressed {
   }
 };
 
+/// Lets all the soil yield.
+void yield(coupling::Publication& soil) {
+  for (auto& field : soil.fields)
+    if (field.name == coupling::field::yielding) std::fill(field.values.begin(), field.values.end(), 1.0);
+}
+
 /// Water particles at given places, as the mapping takes them.
 coupling::PointSet points_at(std::span<const Vec<2>> places, double spacing) {
   coupling::PointSet points;
@@ -126,12 +135,76 @@ TEST(SoilSurface, WaterSlipsPastAnEdgeButDragsASinglePoint) {
   };
   auto from = soil.publish(1);
   EXPECT_EQ(drag_at(from, Vec<2>(2.5, 20.2) * soil.spacing), 0.0);
+  yield(from);
+  EXPECT_EQ(drag_at(from, Vec<2>(2.5, 20.2) * soil.spacing), 0.0);
   // Of all points only the one in the middle of the top row is left where it is.
   const Vec<2> point = Vec<2>(2.5, 19.5) * soil.spacing;
   for (std::size_t i = 0; i < from.points.size(); ++i)
     if ((Vec<2>(from.points.position[2 * i], from.points.position[2 * i + 1]) - point).norm() > 1e-9)
       from.points.position[2 * i] += 100.0 + 10.0 * static_cast<double>(i);
   EXPECT_GT(drag_at(from, point + Vec<2>(0.0, 0.5 * soil.spacing)), 1e5);
+  // Loose grains have grown, and a wall on which they lie shows their images: they cover as much water as an edge does.
+  for (auto& volume : from.points.volume) volume *= 3.0;
+  EXPECT_GT(drag_at(from, point + Vec<2>(0.0, 0.5 * soil.spacing)), 1e5);
+}
+
+TEST(SoilSurface, GrainsApartCountAsTheVolumeTheyHave) {
+  // Membership of a lattice of water around grains, wherever these lie between its points. [spacings]
+  const Compressed soil;
+  const fluid::Setup<2> setup(soil.scene(), {});
+  const auto specs = coupling::standard_fields(coupling::Role::solid, 2);
+  const auto memberships = [&](const VecArray<2>& grains, const VecArray<2>& places) {
+    auto from = soil.publish(1);
+    auto& p = from.points;
+    p.n_active = grains.size();
+    p.position.clear();
+    for (const auto& grain : grains)
+      p.position.insert(p.position.end(), {grain.x() * soil.spacing, grain.y() * soil.spacing});
+    for (auto* values : {&p.volume, &p.smoothing_length, &p.owner}) values->resize(grains.size());
+    for (auto& field : from.fields) field.values.resize(grains.size() * static_cast<std::size_t>(field.components));
+    yield(from);
+    VecArray<2> scaled;
+    for (const auto& place : places) scaled.push_back(place * soil.spacing);
+    const auto inbox =
+        coupling::make_mapping(2)->map(coupling::Role::solid, p, from.fields, specs, points_at(scaled, soil.spacing));
+    const std::vector<double> before(places.size(), 0.0);
+    return mapped_soil<2>(setup, inbox, inbox.asymmetry, before, SeepageRegime{1000.0, 1.0, false}).mask;
+  };
+  const auto expect_volume = [&](const char* name, const VecArray<2>& grains, double least, double most) {
+    for (const double x : {0.0, 0.25, 0.5})
+      for (const double y : {0.1, 0.4}) {
+        VecArray<2> water;
+        for (int i = -6; i < 18; ++i)
+          for (int j = -6; j < 18; ++j) water.push_back(Vec<2>(i + x, j + y));
+        const auto mask = memberships(grains, water);
+        const double counted = std::accumulate(mask.begin(), mask.end(), 0.0) / static_cast<double>(grains.size());
+        EXPECT_GT(counted, least) << name << " at " << x << ", " << y;
+        EXPECT_LT(counted, most) << name << " at " << x << ", " << y;
+      }
+  };
+  expect_volume("one grain", {Vec<2>(0.0, 0.0)}, 0.97, 1.03);
+  expect_volume("two that touch", {Vec<2>(0.0, 0.0), Vec<2>(1.0, 0.0)}, 0.87, 1.13);
+  const auto lattice = [](int n, double distance, double disorder) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> shift(-disorder, disorder);
+    VecArray<2> grains;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const double dx = shift(random), dy = shift(random);
+        grains.push_back(Vec<2>(i * distance + dx, j * distance + dy));
+      }
+    return grains;
+  };
+  expect_volume("grains apart", lattice(8, 1.42, 0.2), 0.9, 1.2);
+  const auto body = lattice(10, 1.0, 0.3);
+  expect_volume("a disordered body", body, 0.87, 1.05);
+  VecArray<2> inside;
+  for (double x = 2.0; x < 7.0; x += 0.37) inside.push_back(Vec<2>(x, 9.0 - x));
+  for (const double mask : memberships(body, inside)) EXPECT_EQ(mask, 1.0);
+  const VecArray<2> rows = {Vec<2>(4.3, 8.9), Vec<2>(4.3, 9.9)};  // on both sides of a flat edge
+  const auto mask = memberships(lattice(10, 1.0, 0.0), rows);
+  EXPECT_EQ(mask[0], 1.0);
+  EXPECT_EQ(mask[1], 0.0);
 }
 
 TEST(SoilSurface, PassesTheWaterOfSoilThatIsCompressed) {

@@ -256,7 +256,7 @@ class Participant:
         if missing:
             raise PeerError(f"field '{missing[0]}' was expected in the exchange and did not arrive")
         arrays = dict(arrays)
-        return Inbox(arrays.pop("@coverage"), arrays.pop("@asymmetry"), arrays)
+        return Inbox(arrays.pop("@coverage"), arrays.pop("@asymmetry"), spread=arrays.pop("@spread", None), fields=arrays)
 
     def leave(self, kind: str, reason: str, code: int = 0) -> None:
         header = self.answer()

@@ -74,6 +74,7 @@ class Inbox:
     coverage: np.ndarray  # [n_active] kernel sum of the other's points: 1 inside these points, about 0.5 on their edge, 0 outside
     asymmetry: np.ndarray  # [n_active] distance of their centre of mass in smoothing lengths: 0 inside, 0.47 on a flat edge
     fields: dict[str, np.ndarray] = field(default_factory=dict)
+    spread: np.ndarray | None = None  # [n_active] their standard deviation in smoothing lengths: 0 of one point, 0.6 on a flat edge; None: not sent
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.fields[name]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
-PROTOCOL = (1, 2)
+PROTOCOL = (1, 3)
 INSTALLED = Path(__file__).resolve().with_name("poretwin.binpb")
 PROTO = Path(__file__).resolve().parents[3] / "proto" / "poretwin.proto"
 
