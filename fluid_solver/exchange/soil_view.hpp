@@ -150,6 +150,13 @@ inline double body_share(double coverage, double asymmetry, double spread, doubl
   return 1.0 - yielding * (1.0 - std::min(dense, ramp(spread, exchange::body_spread)));
 }
 
+/// Part of a place that loose grains fill. It ends 1.2 spacings from them: water that splashes past the edge of soil
+/// would otherwise take up and lose a few hundredths of grains within a window.
+inline double loose_share(double coverage, double asymmetry) {
+  const double inner = exchange::outside_asymmetry, outer = exchange::loose_asymmetry;
+  return std::min(coverage, 1.0) * std::clamp((outer - asymmetry) / (outer - inner), 0.0, 1.0);
+}
+
 /// Soil as the case draws it, at rest and without yielding. drag: whether the soil resists the water.
 template <int D>
 SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
@@ -219,7 +226,7 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
       mask = slips ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
       // In the notches of an edge made of points water slips past, too.
       if (slips && mask < 0.5) mask = 0.0;
-      mask = body * mask + (1.0 - body) * std::min(inbox.coverage[a], 1.0);
+      mask = body * mask + (1.0 - body) * loose_share(inbox.coverage[a], asymmetry[a]);
       soil.loose[a] = body < 0.5 ? 1 : 0;
     }
     const double n_s = whole * mask;

@@ -39,13 +39,20 @@ inline constexpr std::array<double, 3> asymmetry_outside{0.482, 0.64, 0.14};
 /// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
 inline constexpr double coverage_slope = 1.04;
 /// Coverage over the one of a body, up to which yielding soil is loose and from which on it is a body. Points of a body
-/// that are displaced from a lattice by up to 0.4 spacings have 0.77 or more, grains at 1.4 spacings from each other
-/// 0.5. Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
+/// that are displaced from a lattice by up to 0.4 spacings have 0.77 or more, grains that lie
+/// 1.4 spacings from each other have 0.5.
+/// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
 inline constexpr std::array<double, 2> body_density{0.6, 0.8};
 /// Spread of the points of yielding soil around a place, up to which they are loose and from which on they form a body:
 /// 0 of a single point, 0.4 of two that touch, 0.5 of four, 0.54 of a row, 0.58 on a flat edge in 2D and 0.76 in 3D.
 /// Unit: smoothing lengths. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
 inline constexpr std::array<double, 2> body_spread{0.3, 0.5};
+
+/// Asymmetry from which on loose grains do not count; the decrease to zero begins at `outside_asymmetry`. With the
+/// whole reach of the kernel (2) water that splashes over a dune gains energy in case dam_break_on_soil. With 0.8 a
+/// single grain counts as half of its volume.
+/// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
+inline constexpr double loose_asymmetry = 1.0;
 
 /// Smoothing length of the sums (67) and (74) of Bui & Nguyen (2017), who use the same value and kernel (cubic spline).
 /// Unit: spacings of the soil. Test: Seepage.SmoothedDragIsAsStrongAsItsKernelSum (untried).

@@ -182,8 +182,10 @@ TEST(SoilSurface, GrainsApartCountAsTheVolumeTheyHave) {
         EXPECT_LT(counted, most) << name << " at " << x << ", " << y;
       }
   };
-  expect_volume("one grain", {Vec<2>(0.0, 0.0)}, 0.97, 1.03);
-  expect_volume("two that touch", {Vec<2>(0.0, 0.0), Vec<2>(1.0, 0.0)}, 0.87, 1.13);
+  // Too much soil makes the prediction unstable, too little only softer: of one or two grains the outermost part is
+  // left out.
+  expect_volume("one grain", {Vec<2>(0.0, 0.0)}, 0.57, 0.95);
+  expect_volume("two that touch", {Vec<2>(0.0, 0.0), Vec<2>(1.0, 0.0)}, 0.5, 1.05);
   const auto lattice = [](int n, double distance, double disorder) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> shift(-disorder, disorder);
@@ -195,7 +197,7 @@ TEST(SoilSurface, GrainsApartCountAsTheVolumeTheyHave) {
       }
     return grains;
   };
-  expect_volume("grains apart", lattice(8, 1.42, 0.2), 0.9, 1.2);
+  expect_volume("grains apart", lattice(8, 1.42, 0.2), 0.85, 1.2);
   const auto body = lattice(10, 1.0, 0.3);
   expect_volume("a disordered body", body, 0.87, 1.05);
   VecArray<2> inside;
