@@ -61,7 +61,7 @@ template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const SeepageRegime regime{setup_.density, quasi_static_speed(setup_), true};  // no window has been computed so far
-  auto view = see_soil(setup_, state_, inbox, regime);
+  auto view = see_soil<D>(setup_, walls_.planes, state_, inbox, regime);
   fill_pores(setup_, view, p);
   if (setup_.coupled) fit_columns_to_pores(setup_, state_);
   set_regimes(view, regime, p);
@@ -81,7 +81,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
 
   // The soil as the water sees it, the boundaries, and the first half of the motion.
   const auto regime = seepage_regime(setup_, dt);
-  auto view = see_soil(setup_, state_, inbox, regime);
+  auto view = see_soil<D>(setup_, walls_.planes, state_, inbox, regime);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (setup_.coupled) velocity_before = p.velocity;  // kept, since the soil's impulse changes the velocity

@@ -276,7 +276,8 @@ bool is_behind(const Case& scene, const WaterFace& face, const Point3& x) {
 
 std::string no_way_over(const Case& scene, const Crest& crest) {
   if (crest.inward.isZero()) return "the face is level and open at an end, there is no crest";
-  if (scene.coupled()) return "the soil moves, and its crest with it";
+  if (scene.coupled() && scene.can_yield())
+    return "the soil can yield, and still water cannot follow a crest that slides";
   return {};
 }
 

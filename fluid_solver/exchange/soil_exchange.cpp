@@ -9,8 +9,8 @@
 namespace poretwin::fluid {
 
 template <int D>
-SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,
-                     const SeepageRegime& regime) {
+SoilView<D> see_soil(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes, const State<D>& state,
+                     const coupling::Inbox& inbox, const SeepageRegime& regime) {
   const auto& x = state.particles.position;
   const std::size_t n = x.size();
   // Water about to enter or leave the soil through one of its faces counts as inside. Water that runs down the outside
@@ -39,12 +39,56 @@ SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const couplin
   if (!state.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(state.particles, a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  auto view = mapped_soil<D>(setup, inbox, asymmetry, state.particles.mask, regime);
+  const auto full = find_full_pores<D>(setup, planes, state.particles, inbox.coverage);
+  auto view = mapped_soil<D>(setup, inbox, asymmetry, state.particles.mask, full, regime);
   const auto& received =
       setup.computes_beside ? state.particles.previous_coupling_force : state.particles.coupling_force;
   for (std::size_t a = 0; a < n; ++a)
     if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - received[a]);
   return view;
+}
+
+template <int D>
+std::vector<char> find_full_pores(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes,
+                                  const Particles<D>& p, std::span<const double> coverage) {
+  const std::size_t n = p.size();
+  std::vector<char> full(n, 0);
+  std::vector<std::size_t> beside;
+  VecArray<D> places;
+  for (std::size_t a = 0; a < n; ++a) {
+    if (p.mask[a] > 0.0 || !(coverage[a] > 0.0)) continue;
+    beside.push_back(a);
+    places.push_back(p.position[a]);
+  }
+  if (beside.empty()) return full;
+  VecArray<D> in_soil;
+  ScalarArray volume;
+  for (std::size_t a = 0; a < n; ++a) {
+    if (!(p.mask[a] > 0.0)) continue;
+    in_soil.push_back(p.position[a]);
+    volume.push_back(p.mask[a] * p.volume[a]);
+  }
+  const double length = exchange::soil_smoothing_ratio * setup.soil_spacing, reach = sph::support_radius * length;
+  sph::CellGrid<D> grid;
+  grid.build(in_soil, reach);
+  const auto filled = [&](const Vec<D>& x) {
+    double sum = 0.0;
+    grid.for_each_within(x, reach,
+                         [&](Index b, double r2) { sum += volume[b] * Kernel<D>::value(std::sqrt(r2), length); });
+    return sum;
+  };
+  // The coverage contains the soil's images behind walls. Those of the water are as far from a particle as the water
+  // from the particle's own image.
+  const auto images = sph::make_images<D>(places, planes, reach);
+  ScalarArray room(beside.size());
+  parallel_for(beside.size(), [&](std::size_t i) { room[i] = coverage[beside[i]] - filled(places[i]); });
+  for (std::size_t j = 0; j < images.size(); ++j) room[images.parent[j]] -= filled(images.position[j]);
+  const double own = std::pow(setup.soil_spacing, D) * Kernel<D>::value(0.0, length);
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    const std::size_t a = beside[i];
+    full[a] = room[i] < exchange::least_room * std::min(own, coverage[a]) ? 1 : 0;
+  }
+  return full;
 }
 
 template <int D>
@@ -218,8 +262,10 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
   template void fit_columns_to_pores(const Setup<D>& setup, State<D>& state);                                          \
   template void fill_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                        \
   template void store_change_of_soil(const OrZero<Vec<D>>&, Particles<D>&);                                            \
-  template SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,            \
-                                const SeepageRegime& regime);                                                          \
+  template SoilView<D> see_soil(const Setup<D>& setup, std::span<const sph::ImagePlane<D>>, const State<D>& state,     \
+                                const coupling::Inbox& inbox, const SeepageRegime& regime);                            \
+  template std::vector<char> find_full_pores(const Setup<D>& setup, std::span<const sph::ImagePlane<D>>,               \
+                                             const Particles<D>& p, std::span<const double> coverage);                 \
   template void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient, \
                                      double interval, Particles<D>& p);                                                \
   template void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, const SoilView<D>& view,            \

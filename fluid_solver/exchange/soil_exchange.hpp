@@ -11,8 +11,16 @@ namespace poretwin::fluid {
 
 /// The soil at the water's particles: received from the other process, or at rest as the case draws it.
 template <int D>
-SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,
-                     const SeepageRegime& regime);
+SoilView<D> see_soil(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes, const State<D>& state,
+                     const coupling::Inbox& inbox, const SeepageRegime& regime);
+
+/// Whether other water fills the pores around particles of free water within reach of soil [n]. It does where the
+/// volumes of the water that lies in the soil add up to as much as those of the soil's points, within half of what one
+/// particle at the place itself would add, or of the whole where a single point of soil adds less. coverage [n]: by the
+/// soil's points. planes: mirrors of the water.
+template <int D>
+std::vector<char> find_full_pores(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes,
+                                  const Particles<D>& p, std::span<const double> coverage);
 
 /// Sets the particles' bulk volumes from the porosity of the soil in which they lie, and stores which soil it is. Their
 /// mass stays the same.

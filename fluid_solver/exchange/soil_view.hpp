@@ -177,10 +177,10 @@ SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, 
 
 /// Soil of the other process, mapped to the fluid's particles. asymmetry [n]: of the soil's points around each
 /// particle; 0 where a particle counts as in the soil wherever soil is within reach. before [n]: previous membership,
-/// used with hysteresis where tight soil moves.
+/// used with hysteresis where tight soil moves. full [n]: 1 where other water fills the pores around free water.
 template <int D>
 SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std::span<const double> asymmetry,
-                        std::span<const double> before, const SeepageRegime& regime) {
+                        std::span<const double> before, std::span<const char> full, const SeepageRegime& regime) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
   SoilView<D> soil;
@@ -213,8 +213,8 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
     soil.returned_impulse.set(a, vector(returned, a));
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil itself
     const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
-    const auto passes_by = [&] {
-      if (!moves || !setup.drag || !(conductivity[a] > 0.0)) return false;
+    const auto is_tight = [&] {
+      if (!setup.drag || !(conductivity[a] > 0.0)) return false;
       const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
       return !inertia_rules(n_w, setup.density, drag, setup.spacing, setup.gravity);
     };
@@ -222,10 +222,12 @@ SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std
     if (inbox.coverage[a] > 0.0) {
       const double spread = inbox.spread.empty() ? exchange::body_spread[1] : inbox.spread[a];
       const double body = body_share(inbox.coverage[a], asymmetry[a], spread, std::clamp(yielding[a], 0.0, 1.0));
-      const bool slips = passes_by();
+      const bool tight = is_tight(), slips = moves && tight;
       mask = slips ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
       // In the notches of an edge made of points water slips past, too.
       if (slips && mask < 0.5) mask = 0.0;
+      // Free water that is pressed against full pores stays outside: with it the soil would count twice.
+      if (tight && !regime.long_window && full[a] != 0) mask = 0.0;
       mask = body * mask + (1.0 - body) * loose_share(inbox.coverage[a], asymmetry[a]);
       soil.loose[a] = body < 0.5 ? 1 : 0;
     }

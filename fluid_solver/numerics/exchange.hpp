@@ -54,6 +54,14 @@ inline constexpr std::array<double, 2> body_spread{0.3, 0.5};
 /// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
 inline constexpr double loose_asymmetry = 1.0;
 
+/// Free water enters the pores of tight soil in short windows where the volumes of the water there leave at least this
+/// part of what a particle at the place would add. It is 1 where that particle is missing, and 0 where none is.
+/// Unit: 1. Test: SoilSurface.FullPoresTakeNoMoreWater.
+inline constexpr double least_room = 0.5;
+/// Smoothing length of the soil's points, with which the coverage by them is summed (solid_solver/numerics/points.hpp).
+/// Unit: spacings of the soil. Test: SoilSurface.FullPoresTakeNoMoreWater (untried).
+inline constexpr double soil_smoothing_ratio = 1.2;
+
 /// Smoothing length of the sums (67) and (74) of Bui & Nguyen (2017), who use the same value and kernel (cubic spline).
 /// Unit: spacings of the soil. Test: Seepage.SmoothedDragIsAsStrongAsItsKernelSum (untried).
 inline constexpr double drag_smoothing_ratio = 1.2;

@@ -1,11 +1,13 @@
 // The surface of soil under free water, with soil whose motion is given.
 #include "coupler/mapping.hpp"
-#include "fluid_solver/exchange/soil_view.hpp"
+#include "fluid_solver/boundary/walls.hpp"
+#include "fluid_solver/exchange/soil_exchange.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <random>
 
@@ -131,7 +133,7 @@ TEST(SoilSurface, WaterSlipsPastAnEdgeButDragsASinglePoint) {
                                                       points_at(std::vector{place}, soil.spacing));
     const std::vector<double> before{0.3};
     const SeepageRegime regime{1000.0, 1e-3, false};
-    return mapped_soil<2>(setup, inbox, inbox.asymmetry, before, regime).drag[0];
+    return mapped_soil<2>(setup, inbox, inbox.asymmetry, before, std::vector<char>{0}, regime).drag[0];
   };
   auto from = soil.publish(1);
   EXPECT_EQ(drag_at(from, Vec<2>(2.5, 20.2) * soil.spacing), 0.0);
@@ -168,7 +170,9 @@ TEST(SoilSurface, GrainsApartCountAsTheVolumeTheyHave) {
     const auto inbox =
         coupling::make_mapping(2)->map(coupling::Role::solid, p, from.fields, specs, points_at(scaled, soil.spacing));
     const std::vector<double> before(places.size(), 0.0);
-    return mapped_soil<2>(setup, inbox, inbox.asymmetry, before, SeepageRegime{1000.0, 1.0, false}).mask;
+    return mapped_soil<2>(setup, inbox, inbox.asymmetry, before, std::vector<char>(places.size(), 0),
+                          SeepageRegime{1000.0, 1.0, false})
+        .mask;
   };
   const auto expect_volume = [&](const char* name, const VecArray<2>& grains, double least, double most) {
     for (const double x : {0.0, 0.25, 0.5})
@@ -207,6 +211,62 @@ TEST(SoilSurface, GrainsApartCountAsTheVolumeTheyHave) {
   const auto mask = memberships(lattice(10, 1.0, 0.0), rows);
   EXPECT_EQ(mask[0], 1.0);
   EXPECT_EQ(mask[1], 0.0);
+}
+
+TEST(SoilSurface, FullPoresTakeNoMoreWater) {
+  // A particle of free water that has come a quarter of a spacing into soil, in the middle of its surface or at a wall:
+  // in full pores it stays outside, and the soil is not counted twice. It comes in where a particle is missing.
+  const Compressed soil;
+  auto scene = soil.scene();
+  scene.walls = {wall(line(0.0, 2.0, 0.0, 0.0)), wall(line(0.0, 0.0, soil.width, 0.0)),
+                 wall(line(soil.width, 0.0, soil.width, 2.0))};
+  const fluid::Setup<2> setup(scene, {});
+  const Walls<2> walls(scene, {});
+  const auto from = soil.publish(1);
+  const auto specs = coupling::standard_fields(coupling::Role::solid, 2);
+  struct Seen {
+    bool full;
+    double mask;
+  };
+  const auto seen = [&](const Vec<2>& place, std::span<const Vec<2>> missing) {
+    Particles<2> water;
+    const double cell = soil.spacing * soil.spacing;
+    const auto add = [&](const Vec<2>& x, double mask) {
+      water.add(x, Vec<2>::Zero(), 1000.0 * cell, 1.0, cell, 0.0, {});
+      water.mask.back() = mask;
+    };
+    add(place, 0.0);
+    for (std::size_t j = 0; j < from.points.n_active; ++j) {
+      const Vec<2> x(from.points.position[2 * j], from.points.position[2 * j + 1]);
+      if (std::ranges::none_of(missing, [&](const Vec<2>& m) { return (m - x).norm() < 1e-9; })) add(x, 1.0);
+    }
+    const auto inbox = coupling::make_mapping(2)->map(coupling::Role::solid, from.points, from.fields, specs,
+                                                      points_at(water.position, soil.spacing));
+    const auto full = find_full_pores<2>(setup, walls.planes, water, inbox.coverage);
+    const auto view = mapped_soil<2>(setup, inbox, inbox.asymmetry, water.mask, full, {1000.0, 1e-3, false});
+    return Seen{full[0] != 0, view.mask[0]};
+  };
+  const double top = soil.height - 0.5 * soil.spacing;
+  for (const double x : {0.5, 1.0, 2.5, 3.0}) {  // spacings from a wall
+    const Vec<2> place(x * soil.spacing, soil.height - 0.25 * soil.spacing);
+    EXPECT_TRUE(seen(place, {}).full) << x;
+    EXPECT_EQ(seen(place, {}).mask, 0.0) << x;
+    VecArray<2> missing;
+    for (const double column : {0.5, 2.5})
+      if (std::abs(column - x) < 0.1) missing.push_back({column * soil.spacing, top});
+    if (missing.empty()) continue;
+    EXPECT_FALSE(seen(place, missing).full) << x;
+    EXPECT_GT(seen(place, missing).mask, 0.9) << x;
+  }
+  // Dry soil takes water.
+  EXPECT_FALSE(seen(Vec<2>(2.5, 3.5) * soil.spacing,
+                    [&] {
+                      VecArray<2> all;
+                      for (std::size_t j = 0; j < from.points.n_active; ++j)
+                        all.emplace_back(from.points.position[2 * j], from.points.position[2 * j + 1]);
+                      return all;
+                    }())
+                   .full);
 }
 
 TEST(SoilSurface, PassesTheWaterOfSoilThatIsCompressed) {
