@@ -147,7 +147,10 @@ inline double body_share(double coverage, double asymmetry, double spread, doubl
   };
   const double of_body = 1.0 - exchange::coverage_slope * asymmetry;
   const double dense = of_body > 0.0 ? ramp(coverage / of_body, exchange::body_density) : 1.0;
-  return 1.0 - yielding * (1.0 - std::min(dense, ramp(spread, exchange::body_spread)));
+  // Farther outside only the nearest points are within the kernel's reach, so that corners of a body spread little,
+  // too.
+  const bool near = asymmetry < exchange::outside_asymmetry;
+  return 1.0 - yielding * (1.0 - (near ? std::min(dense, ramp(spread, exchange::body_spread)) : dense));
 }
 
 /// Part of a place that loose grains fill. It ends 1.2 spacings from them: water that splashes past the edge of soil
