@@ -36,9 +36,12 @@ fs::path found_in_path(const std::string& program) {
 
 void expect_tiles(const RunOptions& options, const Case& scene) {
   const auto refuse = [&](std::string_view why) { throw CaseError(fmt::format("--tiles {}: {}", options.tiles, why)); };
-  if (scene.coupled() || !scene.deformable())
-    refuse("expected a case of dry soil, found water: so far only dry soil can be shared by several processes");
+  if (scene.coupled() || (scene.has_water() && !scene.soils.empty()))
+    refuse(
+        "expected a case of dry soil or of water alone, found both: so far several processes cannot share soil with "
+        "water");
   if (!options.solid.empty()) refuse("expected poretwin's own solid solver, found --solid");
+  if (!options.fluid.empty()) refuse("expected poretwin's own fluid solver, found --fluid");
   if (!has_tiles)
     refuse(
         "the solvers were built without MPI: install libopenmpi-dev, openmpi-bin and libtrilinos-zoltan-dev, "

@@ -1,4 +1,4 @@
-// A solver that mpirun starts as several processes, its ranks, which share the soil.
+// A solver that mpirun starts as several processes, its ranks, which share the soil or the water.
 #pragma once
 
 #include "cli/run.hpp"

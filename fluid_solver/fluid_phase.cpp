@@ -1,10 +1,12 @@
 #include "fluid_solver/fluid_phase.hpp"
 
 #include "common/case/gauge_kinds.hpp"
+#include "common/core/error.hpp"
 #include "common/core/threads.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "fluid_solver/boundary/pistons.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/discretisation/ranks.hpp"
 #include "fluid_solver/discretisation/water_stencil.hpp"
 #include "fluid_solver/exchange/soil_exchange.hpp"
 #include "fluid_solver/fluid.hpp"
@@ -22,17 +24,26 @@
 namespace poretwin::fluid {
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices,
-                const Domain& domain)
-    : setup_(scene, lattices, domain),
+Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices, Setup<D> setup)
+    : setup_(std::move(setup)),
       state_(first_state<D>(scene, setup_, boundaries, lattices)),
       faces_(scene, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {
   walls_.expect_before(state_.particles.position);
+  begin_with_share(setup_, state_.particles);
   // The soil searches for its initial equilibrium under this pressure, published before the first exchange.
   auto view = rigid_soil<D>(setup_.ground, state_.particles.position, setup_.drag);
   solve_hydrostatic(setup_, walls_, view, state_);
 }
+
+template <int D>
+Fluid<D>::Fluid(const Case& scene, std::shared_ptr<Tiling<D>> tiling)
+    : Fluid(scene, make_water_boundaries(scene), water_lattices<D>(scene), std::move(tiling)) {}
+
+template <int D>
+Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices,
+                std::shared_ptr<Tiling<D>> tiling)
+    : Fluid(scene, std::move(boundaries), lattices, Setup<D>(scene, lattices, std::move(tiling))) {}
 
 template <int D>
 coupling::Contract Fluid<D>::contract() const {
@@ -69,7 +80,9 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   p.solid_velocity = view.velocity;
   solve_hydrostatic(setup_, walls_, view, state_);
   limit_scheme(setup_, view, state_);
-  for (const double m : p.mass) state_.balance.initial += m / setup_.density;
+  double own = 0.0;
+  for (const double m : p.mass) own += m / setup_.density;
+  state_.balance.initial += setup_.domain.sum(own);
   ++state_.revision;
 }
 
@@ -104,14 +117,16 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   // The right-hand side and the parameters of the solve.
   auto in = window_problem(setup_, walls_, state_, dt);
   in.cavitation = setup_.cavitation_pressure;
-  if (window.saved) in.between_iterations = coupling::give_up_if_interrupted;
+  // Ranks receive signals at different times.
+  if (window.saved && !setup_.tiling) in.between_iterations = coupling::give_up_if_interrupted;
   if (setup_.coupled) in.in_seepage = p.in_seepage;
   if (!setup_.is_projection()) {
     in.sweeps = setup_.sweeps;
     in.interval_over_proposed = dt / proposed;
   }
   MatArray<D> gradient;  // empty where all water is quasi-static
-  if (!all_quasi_static(setup_, p, view)) gradient = velocity_gradient<D>(s, p.velocity, setup_.no_slip);
+  if (!setup_.domain.all(all_quasi_static(setup_, p, view)))
+    gradient = velocity_gradient<D>(s, p.velocity, setup_.no_slip);
   auto forced = forced_velocity<D>(setup_, state_, s, view, gradient, dt);
   auto source = volume_source<D>(setup_, state_, s, view, gradient, dt);
   BedPassage passage;
@@ -138,7 +153,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   check_finite(state_, out, window.time);
   const ScalarArray pressure_before = p.pressure;
   if (!setup_.coupled) velocity_before = p.velocity;
-  take_solution(out, end, state_);
+  take_solution(setup_, out, end, state_);
   if (setup_.coupled) {
     give_drag_impulse<D>(setup_, view, drag_of_prediction, dt, state_);
     store_coupling_force<D>(setup_, view, out.gradient, dt, p);
@@ -161,11 +176,14 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   move<D>(setup_, walls_, s, out, gradient, velocity_before, besides, passage.gained, dt, state_);
   if (!state_.bed.empty()) change_volumes(setup_, passage, state_);
   follow_soil(view, state_);
+  const double lost = state_.counts.lost;
   give_birth_and_delete(setup_, faces_, view, state_, came);
+  state_.counts.lost = lost + setup_.domain.sum(state_.counts.lost - lost);
   if (!state_.bed.empty()) even_volumes(setup_, walls_, state_);
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);
   walls_.place(state_.inlets);
+  share_out(setup_, state_.particles);
   state_.time = end;
   state_.last_interval = dt;
   ++state_.revision;
@@ -191,6 +209,21 @@ void Fluid<D>::limit_next_window(const SoilView<D>& view, const coupling::Window
   limit_by_slowing(setup_, velocity_before, dt, state_);
   limit_by_acceleration(setup_, view, velocity_before, dt, state_);
   limit_scheme(setup_, view, state_);
+}
+
+template <int D>
+void Fluid<D>::archive(Archive& archive) {
+  if (setup_.tiling)
+    throw Error(ExitCode::failure, "checkpoints hold the water of all ranks, this is one rank's share");
+  archive(state_, first_interval_);
+  walls_.place(state_.inlets);
+}
+
+template <int D>
+void Fluid<D>::take_over(State<D> state) {
+  state_ = std::move(state);
+  walls_.place(state_.inlets);
+  begin_with_share(setup_, state_.particles);
 }
 
 template <int D>

@@ -9,6 +9,8 @@
 #include "fluid_solver/setup.hpp"
 #include "fluid_solver/state.hpp"
 
+#include <memory>
+
 namespace poretwin::fluid {
 
 template <int D>
@@ -19,6 +21,9 @@ class Fluid final : public Phase {
   /// boundaries: those of the case's water faces, in their order. They replace the ones that the faces' keys describe.
   Fluid(const Case& scene, WaterBoundaries boundaries, const Domain& domain = {})
       : Fluid(scene, std::move(boundaries), water_lattices<D>(scene), domain) {}
+
+  /// One of several ranks that share the water of the whole case.
+  Fluid(const Case& scene, std::shared_ptr<Tiling<D>> tiling);
 
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
@@ -31,10 +36,7 @@ class Fluid final : public Phase {
     state_ = saved_;
     walls_.place(state_.inlets);
   }
-  void archive(Archive& archive) override {
-    archive(state_, first_interval_);
-    walls_.place(state_.inlets);
-  }
+  void archive(Archive& archive) override;
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -50,9 +52,16 @@ class Fluid final : public Phase {
   [[nodiscard]] double volume() const;
 
   [[nodiscard]] const State<D>& state() const { return state_; }
+  [[nodiscard]] const Setup<D>& setup() const { return setup_; }
+  /// Takes the whole water's state in place of its own; of several ranks, each keeps its share.
+  void take_over(State<D> state);
 
  private:
-  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices, const Domain& domain);
+  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices, const Domain& domain)
+      : Fluid(scene, std::move(boundaries), lattices, Setup<D>(scene, lattices, domain)) {}
+  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices,
+        std::shared_ptr<Tiling<D>> tiling);
+  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices, Setup<D> setup);
   /// Moves the pistons by their speed over an interval [s], and the walls together with them.
   void push_pistons(double interval);
   /// Derives limits of the next window from this one. pressure_before, velocity_before: values at this window's start.

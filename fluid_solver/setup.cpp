@@ -53,6 +53,30 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
   return {lower, upper};
 }
 
+/// Refuses what several ranks that share the water cannot compute.
+void expect_possible_on_ranks(const Case& scene) {
+  const auto refuse = [](bool found, std::string_view what, std::string_view instead) {
+    if (found)
+      throw CaseError(
+          fmt::format("several ranks cannot share this water yet: {}; {}, or run the case on one rank", what, instead));
+  };
+  refuse(!scene.soils.empty(), "[[soil]]: it contains soil", "leave out the soil");
+  for (const WaterFace& face : scene.water_faces)
+    refuse(true, fmt::format("[[water_face]] \"{}\": water passes it", face.name), "let walls bound the water");
+  refuse(scene.fluid.representation != FluidCase::Representation::particles,
+         "fluid.representation is not \"particles\"", "leave the key out");
+  refuse(scene.fluid.scheme != FluidCase::Scheme::projection, "fluid.scheme is not \"projection\"",
+         "leave the key out");
+  for (const Wall& wall : scene.walls)
+    refuse(wall.water != Wall::ForWater::none && wall.shape.has_value(),
+           fmt::format("[[wall]] \"{}\" has a shape", wall.name), "draw it by lines or planes");
+  refuse(scene.general.dimension == 2 && sight_matters(scene, Keeps::water),
+         "a [[wall]] is a line with water on both sides", "let water lie on one side of it");
+  for (const Gauge& gauge : scene.gauges)
+    refuse(gauge.phase == "fluid" && gauge.kind == "unexplained_impulse",
+           fmt::format("[[gauge]] \"{}\" is of kind \"unexplained_impulse\"", gauge.name), "leave it out");
+}
+
 }  // namespace
 
 template <int D>
@@ -126,6 +150,13 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const D
   for (const auto& load : scene.loads)
     loads.push_back({load.start, load.factor, load.pressure ? std::abs(*load.pressure) : load.traction.norm()});
   if (!coupled && scene.fluid.drag_form != FluidCase::DragForm::pointwise) smoothed_drag.emplace(scene);
+}
+
+template <int D>
+Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, std::shared_ptr<Tiling<D>> tiles)
+    : Setup(scene, lattices, Domain(tiles->ranks(), 0, 0)) {
+  expect_possible_on_ranks(scene);
+  tiling = std::move(tiles);
 }
 
 namespace {

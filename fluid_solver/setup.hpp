@@ -4,9 +4,12 @@
 
 #include "common/case/case.hpp"
 #include "common/particles/domain.hpp"
+#include "common/particles/tiling.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/exchange/drag_form.hpp"
 #include "fluid_solver/exchange/ground.hpp"
+
+#include <memory>
 
 namespace poretwin::fluid {
 
@@ -32,8 +35,12 @@ std::vector<Lattice<D>> water_lattices(const Case& scene);
 template <int D>
 struct Setup {
   Setup(const Case& scene, std::span<const Lattice<D>> lattices, const Domain& here = {});
+  /// As one of several ranks that share the water. lattices: of the whole case. Throws CaseError where the case has
+  /// something that several ranks cannot compute.
+  Setup(const Case& scene, std::span<const Lattice<D>> lattices, std::shared_ptr<Tiling<D>> tiles);
 
-  Domain domain;  ///< the part of the water that this process computes
+  Domain domain;                      ///< the part of the water that this process computes
+  std::shared_ptr<Tiling<D>> tiling;  ///< the tiles of the ranks that share the water; null: this process has all of it
 
   double spacing = 0.0;                  ///< of particles [m]
   double soil_spacing = 0.0;             ///< of the soil's particles [m]

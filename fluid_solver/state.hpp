@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/core/or_zero.hpp"
+#include "common/particles/particle_arrays.hpp"
 #include "fluid_solver/boundary/faces.hpp"
 #include "fluid_solver/boundary/inlet.hpp"
 #include "fluid_solver/boundary/water_boundary.hpp"
@@ -11,6 +12,14 @@
 
 namespace poretwin::fluid {
 
+/// Which particles of the whole run this rank has, where several ranks share the water (discretisation/ranks.hpp).
+/// Checkpoints hold the water of all ranks, so that nothing of it is stored.
+struct RankShare {
+  std::vector<GlobalId> ids;  ///< of this rank's particles, ascending; empty where one rank has all
+  void archive(Archive&) {}
+};
+
+/// The real particles. Where several ranks share the water, these are the rank's own.
 template <int D>
 struct Particles {
   VecArray<D> position;             ///< m
@@ -54,11 +63,21 @@ struct Particles {
                            ///< its packing
   ScalarArray row;         ///< thickness, in spacings, of the row of surface particles in which it lies
   std::vector<Surface> surface;
+  RankShare share;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
   /// Calls visit(array) for every array that is allocated.
   template <class Visit>
   void for_each_array(const Visit& visit) {
+    for_each_dense_array(visit);
+    for_each_sparse_array([&visit](auto& array) {
+      if (array.is_allocated()) visit(array.values());
+    });
+    if (!share.ids.empty()) visit(share.ids);
+  }
+  /// Calls visit(array) for every array that always has an entry for each particle.
+  template <class Visit>
+  void for_each_dense_array(const Visit& visit) {
     visit(position);
     visit(velocity);
     visit(mass);
@@ -72,24 +91,25 @@ struct Particles {
     visit(birthplace);
     visit(row);
     visit(surface);
-    const auto visit_if_there = [&visit](auto& array) {
-      if (array.is_allocated()) visit(array.values());
-    };
-    visit_if_there(solid_velocity);
-    visit_if_there(solid_change);
-    visit_if_there(drag_impulse);
-    visit_if_there(coupling_force);
-    visit_if_there(previous_coupling_force);
-    visit_if_there(surface_share);
-    visit_if_there(spreading);
-    visit_if_there(surface_gradient);
-    visit_if_there(entrained_fraction);
-    visit_if_there(closed_body);
-    visit_if_there(soil);
-    visit_if_there(void_volume);
-    visit_if_there(deferred_motion);
-    visit_if_there(unseen_rate);
-    visit_if_there(unseen_strain);
+  }
+  /// Calls visit(array) for every array that may be unallocated (OrZero).
+  template <class Visit>
+  void for_each_sparse_array(const Visit& visit) {
+    visit(solid_velocity);
+    visit(solid_change);
+    visit(drag_impulse);
+    visit(coupling_force);
+    visit(previous_coupling_force);
+    visit(surface_share);
+    visit(spreading);
+    visit(surface_gradient);
+    visit(entrained_fraction);
+    visit(closed_body);
+    visit(soil);
+    visit(void_volume);
+    visit(deferred_motion);
+    visit(unseen_rate);
+    visit(unseen_strain);
   }
 
   /// Reserves memory for n particles, and for a sixteenth more where others may enter. Arrays that grow by doubling

@@ -13,14 +13,16 @@
 
 namespace poretwin {
 
-/// Columns of a sparse matrix, taken from the pair lists of the particles, which must outlive this object. The column
-/// of an image is that of its parent. If the parent is no row either, it is the row's own column.
+/// Columns of a sparse matrix, taken from the pair lists of the particles, which must outlive this object. The first
+/// points have columns: the rows, and behind them the copies of other ranks' particles. The column of an image is that
+/// of its parent. If the parent has no column either, it is the row's own column.
 struct PairColumns {
   std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
-  std::span<const char> beyond;                  ///< [rows] whether a row has columns that are images; empty: none has
+  std::span<const char> beyond;  ///< [rows] whether a row has points without a column of their own; empty: none has
+  std::size_t count = 0;         ///< number of columns; 0: as many as rows
   [[nodiscard]] Index operator()(std::size_t a, std::size_t k) const {
     const Index j = index[k];
-    const std::size_t n = offset.size() - 1;
+    const std::size_t n = count > 0 ? count : offset.size() - 1;
     if (j < n) return j;
     return parent[j] < n ? parent[j] : static_cast<Index>(a);
   }
@@ -54,7 +56,7 @@ struct PairMatrix {
     }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
-  /// y = A x
+  /// y = A x, where x also has the entries of the copies
   void apply(std::span<const double> x, std::span<double> y) const {
     for_each_in_lanes(
         size(), [&](std::size_t a)

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <span>
+#include <vector>
 
 namespace poretwin {
 
@@ -31,6 +32,11 @@ class Domain {
   Domain() = default;
   /// One of several ranks. `ranks` must outlive this object.
   Domain(const Ranks& ranks, std::size_t owned, std::size_t halo) : ranks_(&ranks), owned_(owned), halo_(halo) {}
+
+  /// Whether one rank owns all particles, so that there are no copies.
+  [[nodiscard]] bool alone() const { return ranks_ == nullptr; }
+  /// Number of the halo's particles.
+  [[nodiscard]] std::size_t copies() const { return halo_; }
 
   /// One array holds n numbers for the owned particles. each: its numbers per particle (1 if there is only one rank).
   /// with_halo: its length after the numbers of the halo's particles have been appended.
@@ -86,6 +92,39 @@ class Domain {
  private:
   const Ranks* ranks_ = nullptr;  ///< null: there is one rank
   std::size_t owned_ = 0, halo_ = 0;
+};
+
+/// Brings the entries of the copies, which stand behind those of this rank's own particles, up to date.
+template <class T>
+void fill_copies(const Domain& domain, std::span<T> values) {
+  static_assert(sizeof(T) % sizeof(double) == 0, "values are sent as numbers of 8 bytes");
+  constexpr std::size_t each = sizeof(T) / sizeof(double);
+  domain.exchange({reinterpret_cast<double*>(values.data()), values.size() * each}, each);
+}
+
+/// A field of this rank's own particles, followed by the entries of the copies, up to date. On one rank it is the field
+/// itself, which must outlive this.
+template <class T>
+class WithCopies {
+ public:
+  WithCopies(const Domain& domain, std::span<const T> own) : all_(own) {
+    if (domain.alone()) return;
+    values_.assign(own.begin(), own.end());
+    values_.resize(own.size() + domain.copies());
+    fill_copies(domain, std::span<T>(values_));
+    all_ = values_;
+  }
+  WithCopies(const WithCopies&) = delete;
+  WithCopies(WithCopies&&) noexcept = default;
+  WithCopies& operator=(const WithCopies&) = delete;
+  WithCopies& operator=(WithCopies&&) noexcept = default;
+  operator std::span<const T>() const { return all_; }  // NOLINT: it takes the field's place
+  [[nodiscard]] const T& operator[](std::size_t i) const { return all_[i]; }
+  [[nodiscard]] bool empty() const { return all_.empty(); }
+
+ private:
+  std::vector<T> values_;
+  std::span<const T> all_;
 };
 
 }  // namespace poretwin

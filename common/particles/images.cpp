@@ -1,5 +1,7 @@
 #include "common/particles/images.hpp"
 
+#include <cmath>
+
 namespace poretwin::sph {
 
 template <int D>
@@ -43,6 +45,29 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
   return images;
 }
 
+template <int D>
+VecArray<D> places_that_see_images(std::span<const ImagePlane<D>> planes, double range,
+                                   std::span<const Vec<D>> position) {
+  VecArray<D> views;
+  for (std::size_t k = planes.size(); k-- > 0;) {  // images are made in the order of the planes
+    const auto& plane = planes[k];
+    const bool periodic = plane.kind == ImagePlane<D>::Kind::periodic;
+    const auto undo = [&](const Vec<D>& x) {
+      const double distance = plane.normal.dot(x - plane.point);
+      if (!periodic && distance >= 0.0) return;
+      const Vec<D> seen = periodic ? Vec<D>(x - plane.shift) : Vec<D>(x - 2.0 * distance * plane.normal);
+      // Images are made of particles within range of the plane.
+      if (std::abs(plane.normal.dot(seen - plane.point)) <= 2.0 * range) views.push_back(seen);
+    };
+    const std::size_t before = views.size();
+    for (const auto& x : position) undo(x);
+    for (std::size_t v = 0; v < before; ++v) undo(Vec<D>(views[v]));
+  }
+  return views;
+}
+
+template VecArray<2> places_that_see_images(std::span<const ImagePlane<2>>, double, std::span<const Vec<2>>);
+template VecArray<3> places_that_see_images(std::span<const ImagePlane<3>>, double, std::span<const Vec<3>>);
 template Images<2> make_images<2>(std::span<const Vec<2>>, std::span<const ImagePlane<2>>, double);
 template Images<3> make_images<3>(std::span<const Vec<3>>, std::span<const ImagePlane<3>>, double);
 

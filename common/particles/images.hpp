@@ -72,6 +72,15 @@ struct Images {
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
+/// Further places whose surroundings a rank needs that has the particles at `position` [m] and makes images of all that
+/// it knows. Where an image of a particle acts on a particle of this rank, the reflection or translation that makes the
+/// image, undone, takes the latter to a place that is as near to the former as the image is. At a plane mirror the
+/// particle itself is nearer still, unless it is on the outer side of the plane, beyond the end of a wall. range [m]:
+/// as for make_images.
+template <int D>
+VecArray<D> places_that_see_images(std::span<const ImagePlane<D>> planes, double range,
+                                   std::span<const Vec<D>> position);
+
 /// Mirrors a point back that passed through a mirror (if the mirror has an end: by less than `reach` [m]) and moves it
 /// at most by `reach`. Removes its velocity [m/s] towards the mirror, relative to the mirror.
 template <int D>

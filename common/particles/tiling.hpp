@@ -28,6 +28,8 @@ class Tiling {
                                                 std::span<const Vec<D>> views) = 0;
   /// The places [m] that all ranks name, in the order of the ranks.
   [[nodiscard]] virtual VecArray<D> gather(const VecArray<D>& places) const = 0;
+  /// The numbers that all ranks give, in the order of the ranks.
+  [[nodiscard]] virtual ScalarArray gather_numbers(const ScalarArray& numbers) const = 0;
   /// Whether this rank is the one that leads: it reads and writes files, and is asked for results.
   [[nodiscard]] virtual bool leads() const = 0;
   /// Sends all particles, with their ids and their entries in all arrays, to the rank that leads, where they stand in

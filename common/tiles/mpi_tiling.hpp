@@ -29,6 +29,9 @@ class MpiTiling final : public Tiling<D> {
   [[nodiscard]] std::size_t find_copies(const VecArray<D>& x, std::span<const GlobalId> ids, double reach,
                                         std::span<const Vec<D>> views) override;
   [[nodiscard]] VecArray<D> gather(const VecArray<D>& places) const override { return all_.gather_all(places); }
+  [[nodiscard]] ScalarArray gather_numbers(const ScalarArray& numbers) const override {
+    return all_.gather_all(numbers);
+  }
   [[nodiscard]] bool leads() const override { return all_.rank() == 0; }
   void send_to_leader(std::vector<GlobalId>& ids, const ParticleArrays& arrays) const override;
   [[nodiscard]] std::string from_leader(const std::string& bytes) const override;

@@ -221,10 +221,10 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) 
   const ColumnFinder<D> finder(state.columns);
   const auto& columns = state.columns;
   if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.in_soil && !c.wet; }))
-    s.prescribed_surface_distance.allocate(s.n_real);
+    s.prescribed_surface_distance.allocate(s.n_particles);
   const auto& strata = setup.ground.strata();
   if (std::any_of(strata.begin(), strata.end(), [](const Stratum& soil) { return soil.suction_head != 0.0; }))
-    s.surface_pressure.allocate(s.n_real);
+    s.surface_pressure.allocate(s.n_particles);
   parallel_for(s.n_real, [&](std::size_t a) {
     if (s.divergence[a] > D || is_free(state.particles, a)) return;
     const double spacing = 2.0 * s.surface_distance(a);
@@ -239,6 +239,8 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) 
       s.surface_pressure.set(a, -suction);
     }
   });
+  s.fill_copies(s.prescribed_surface_distance);
+  s.fill_copies(s.surface_pressure);
 }
 
 /// Water that the soil has left behind belongs to the reservoir: the column moves back to where soil is.

@@ -107,6 +107,52 @@ std::vector<int> bodies_of(const Stencil<D>& s) {
   });
 }
 
+namespace {
+
+/// Numbers from 1 for the bodies that are closed on all ranks, the same on each; 0 for open ones. body [real]: of
+/// bodies_of. closed: of each body's part on this rank.
+///
+/// A body is named after the lowest id in it. In each round, what a part knows of its body goes one rank farther.
+template <int D>
+std::vector<int> numbers_across_ranks(const Stencil<D>& s, std::span<const GlobalId> ids, std::span<const int> body,
+                                      std::span<const char> closed) {
+  const std::size_t n = body.size();
+  VecArray<2> known(closed.size(), Vec<2>(HUGE_VAL, 0.0));  // of each part: the lowest id in its body; 1: it is open
+  for (std::size_t a = 0; a < n; ++a) {
+    auto& of = known[static_cast<std::size_t>(body[a])];
+    of = {std::min(of[0], static_cast<double>(ids.empty() ? a : ids[a])),
+          closed[static_cast<std::size_t>(body[a])] != 0 ? 0.0 : 1.0};
+  }
+  VecArray<2> said(n);
+  for (bool news = true; s.domain.any(news);) {
+    news = false;
+    for (std::size_t a = 0; a < n; ++a) said[a] = known[static_cast<std::size_t>(body[a])];
+    const auto heard = s.template with_copies<Vec<2>>(said);
+    for (std::size_t a = 0; a < n; ++a) {
+      auto& of = known[static_cast<std::size_t>(body[a])];
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index q = s.parent[s.other[k]];
+        if (q < s.n_real || q >= s.n_particles || (heard[q][0] >= of[0] && heard[q][1] <= of[1])) continue;
+        of = {std::min(of[0], heard[q][0]), std::max(of[1], heard[q][1])};
+        news = true;
+      }
+    }
+  }
+  std::vector<int> number(closed.size(), 0);
+  double last = -1.0;
+  for (int next = 1;; ++next) {
+    double lowest = HUGE_VAL;
+    for (const auto& of : known)
+      if (of[1] == 0.0 && of[0] > last) lowest = std::min(lowest, of[0]);
+    last = s.domain.min(lowest);
+    if (!(last < HUGE_VAL)) return number;
+    for (std::size_t b = 0; b < known.size(); ++b)
+      if (known[b][1] == 0.0 && known[b][0] == last) number[b] = next;
+  }
+}
+
+}  // namespace
+
 template <int D>
 void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
   auto& p = state.particles;
@@ -122,8 +168,15 @@ void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
     for (const auto& inlet : state.inlets) open(nearest_to<D>(inlet.foot, p.position));
   }
   p.closed_body = {};
-  for (std::size_t a = 0; a < p.size(); ++a)
-    if (closed[static_cast<std::size_t>(body[a])] != 0) p.closed_body.set(a, body[a] + 1, p.size());
+  if (s.domain.alone()) {
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (closed[static_cast<std::size_t>(body[a])] != 0) p.closed_body.set(a, body[a] + 1, p.size());
+    return;
+  }
+  const auto number = numbers_across_ranks<D>(s, p.share.ids, body, closed);
+  if (!s.domain.any(std::ranges::any_of(number, [](int of) { return of > 0; }))) return;
+  p.closed_body.allocate(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) p.closed_body.set(a, number[static_cast<std::size_t>(body[a])]);
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                   \

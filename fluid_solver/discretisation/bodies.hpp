@@ -29,7 +29,7 @@ template <int D>
 void begin_bodies(const Setup<D>& setup, State<D>& state);
 
 /// Numbers the bodies of water that only walls surround: no surface has been found in such a body, and no face or inlet
-/// touches it.
+/// touches it. All ranks call this; a body that lies on several of them has one number.
 template <int D>
 void number_closed_bodies(const Stencil<D>& s, State<D>& state);
 

@@ -148,16 +148,22 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     s.boundary_correction(a).unresolved.setIdentity();
     s.correction[a].setZero();
   }
+  ScalarArray own_kind(s.n_real);
+  parallel_for(s.n_real, [&](std::size_t a) {
+    own_kind[a] = flags[a] != Surface::surface ? 0.0 : in_seepage[a] == 0 ? 1.0 : 2.0;
+  });
+  const auto kind = s.template with_copies<double>(own_kind);
   s.on_surface.resize(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
-    s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : in_seepage[q] == 0 ? 1 : 2;
+    s.on_surface[j] = q >= s.n_particles ? char{0} : static_cast<char>(kind[q]);
   });
   for (std::size_t a = 0; a < rows.size(); ++a) {
     const bool in_row = flags[a] == Surface::surface && in_seepage[a] == 0;
     rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
-    if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
+    if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_particles);
   }
+  s.fill_copies(s.prescribed_surface_distance);
   // For a particle below the surface: its distance from the plane through the surface particles of its own kind within
   // reach, and the surface's pressure. The distance is 0 where no such plane is found.
   const auto below = [&](std::size_t a) -> std::pair<double, double> {
@@ -187,7 +193,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
       if (flags[a] == Surface::interior && !s.covered[a])
         if (const auto [distance, pressure] = below(a); distance > 0.0) {
           s.front_distance.set(a, distance, s.n_real);
-          s.surface_pressure.set(a, pressure, s.n_real);
+          s.surface_pressure.set(a, pressure, s.n_particles);
         }
       if (flags[a] == Surface::surface || s.front_distance[a] > 0.0) s.amplification[a] = lattice_amplification<D>();
       continue;
@@ -210,6 +216,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
         in_seepage[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
       s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
   });
+  fill_copies(s.domain, std::span(s.amplification));
   return flags;
 }
 

@@ -17,14 +17,14 @@ namespace poretwin::fluid {
 /// they do.
 enum class Carried : bool { no, yes };
 
-/// The value of a field at point j, from the values at the real particles. An image takes its parent's value. A vector
+/// The value of a field at point j, from the values at the particles. An image takes its parent's value. A vector
 /// is mapped by the image's linear map, or changes its sign behind walls at which the field does not slip (`sticky`,
 /// one bit for each wall). Buffers and their images get zero, which no caller uses.
 template <int D>
 [[gnu::always_inline]] inline Vec<D> extended_to(const Stencil<D>& s, std::span<const Vec<D>> f, std::size_t j,
                                                  Carried carried, std::uint32_t sticky) {
   const Index q = s.parent[j];
-  if (q >= s.n_real) return Vec<D>::Zero();
+  if (q >= s.n_particles) return Vec<D>::Zero();
   if (j < s.n_base) return f[q];
   if (s.sticks(j, sticky)) return -f[q];
   Vec<D> image = s.map[j - s.n_base] * f[q];
@@ -32,12 +32,13 @@ template <int D>
   return image;
 }
 
-/// The values of a field at all points.
+/// The values of a field at all points, from those at the real particles; all ranks call this.
 template <int D>
 VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no,
                      std::uint32_t sticky = 0) {
+  const auto particles = s.with_copies(f);
   VecArray<D> all(s.size());
-  parallel_for(s.size(), [&](std::size_t j) { all[j] = extended_to<D>(s, f, j, carried, sticky); });
+  parallel_for(s.size(), [&](std::size_t j) { all[j] = extended_to<D>(s, particles, j, carried, sticky); });
   return all;
 }
 
@@ -89,17 +90,24 @@ void for_gradients(const Stencil<D>& s, const PackedPoints<D, n_values>& points,
       });
 }
 
-/// Corrected gradient of a piezometric pressure. face_pressure(column): the pressure at a face; surface_pressure(a):
-/// that of the free surface next to particle a (both 0 for increments). mobility: of the real particles; pairs get the
-/// harmonic mean, and an empty mobility is 1. unresolved_gradient: the value in directions without neighbours.
-/// increment: p is a change of pressure.
+/// A mobility with its values at the copies. An empty one, which is 1, stays empty.
+template <int D>
+WithCopies<double> mobility_with_copies(const Stencil<D>& s, std::span<const double> mobility) {
+  if (s.domain.any(!mobility.empty())) return s.with_copies(mobility);
+  return {Domain(), mobility};
+}
+
+/// Corrected gradient of a piezometric pressure; all ranks call this. face_pressure(column): the pressure at a face;
+/// surface_pressure(a): that of the free surface next to particle a (both 0 for increments). mobility: of the real
+/// particles; pairs get the harmonic mean, and an empty mobility is 1. unresolved_gradient: the value in directions
+/// without neighbours. increment: p is a change of pressure.
 template <int D, class Face, class SurfacePressure>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure,
                               std::span<const double> mobility, const Vec<D>& unresolved_gradient,
                               SurfacePressure&& surface_pressure, bool increment = false) {
   // Pressures of the buffers. A reflection for each particle, as in the Laplacian, would magnify the error of a
   // particle that lies on the face itself.
-  ScalarArray buffer(s.n_base - s.n_real);
+  ScalarArray buffer(s.n_base - s.n_particles);
   std::vector<bool> fitted(buffer.size());
   bool all_fitted = true;
   for (std::size_t i = 0; i < buffer.size(); ++i) {
@@ -110,13 +118,15 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
   }
   // A buffer takes the mobility of the particle whose row is summed; a zero stands for this.
+  const auto pressure = s.with_copies(p);
+  const auto mobilities = mobility_with_copies(s, mobility);
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
-    const bool real = q < s.n_real;
+    const bool particle = q < s.n_particles;
     for (std::size_t d = 0; d < D; ++d) points[j].x[d] = s.position[j][static_cast<int>(d)];
-    points[j].x[D] = real ? p[q] : buffer[q - s.n_real];
-    points[j].x[D + 1] = !real ? 0.0 : mobility.empty() ? 1.0 : mobility[q];
+    points[j].x[D] = particle ? pressure[q] : buffer[q - s.n_particles];
+    points[j].x[D + 1] = !particle ? 0.0 : mobilities.empty() ? 1.0 : mobilities[q];
   });
   VecArray<D> result(s.n_real);
   for_gradients<D, 2, D>(
@@ -129,7 +139,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
           pair.apply(
               [&](Index j, double x) {
                 const Index q = s.parent[j];
-                return q >= s.n_real && !fitted[q - s.n_real] ? x * s.reflection(pair.i, q) : x;
+                return q >= s.n_particles && !fitted[q - s.n_particles] ? x * s.reflection(pair.i, q) : x;
               },
               difference);
         if (!mobility.empty()) {
@@ -178,15 +188,17 @@ void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility
   });
 }
 
-/// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T for every real particle a, without buffers.
+/// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T for every real particle a, without buffers. All ranks call
+/// this.
 template <int D, class Take>
 void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, std::uint32_t sticky,
                      const Take& take) {
-  const bool buffers = s.n_base > s.n_real;
+  const bool buffers = s.n_base > s.n_particles;
+  const auto particles = s.with_copies(f);
   PackedPoints<D, D> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
-    Eigen::Map<Vec<D>>{points[j].x.data() + D} = extended_to<D>(s, f, j, carried, sticky);
+    Eigen::Map<Vec<D>>{points[j].x.data() + D} = extended_to<D>(s, particles, j, carried, sticky);
   });
   for_gradients<D, D, D * D>(
       s, points,
@@ -215,11 +227,12 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, st
   return result;
 }
 
-/// Corrected divergence of a velocity-like field, without buffers (one-sided at faces).
+/// Corrected divergence of a velocity-like field, without buffers (one-sided at faces). All ranks call this.
 template <int D>
 ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
   ScalarArray result(s.n_real, 0.0);
-  if (carried == Carried::no && parallel_all(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); })) return result;
+  if (carried == Carried::no && s.domain.all_of(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); }))
+    return result;
   sum_differences<D>(
       s, f, carried, 0, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
         result[a] = sum.cwiseProduct(s.correction_open(a).transpose()).sum();
@@ -293,15 +306,12 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
         take(&s.gradient_factor[pair.m], w);
         gather_one(pair.rows(), 0, others);
         w *= factor * (*pair.self + others);
-        if (s.beyond[pair.i] != 0)
-          pair.apply([&](Index j, double x) { return s.parent[j] == pair.i ? 0.0 : x; }, w);
+        if (s.beyond[pair.i] != 0) pair.apply([&](Index j, double x) { return s.parent[j] == pair.i ? 0.0 : x; }, w);
         put(w, &m.weight[pair.m]);
         take(&m.weight[pair.m], w);
         own.sum[0] += w;
       },
-      [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
-        m.diagonal[a] = sum_of_lanes(own.sum[0]);
-      });
+      [&](std::size_t a, const auto& own) __attribute__((always_inline)) { m.diagonal[a] = sum_of_lanes(own.sum[0]); });
 }
 
 /// Behind curved walls the images of b have other weights in row a than the images of a in row b. Both rows get the
@@ -367,24 +377,27 @@ struct LaplacianRow {
 
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b), G_ab = -W'/r: minus the Laplacian, weighted with the volume so that it
 /// is symmetric. Returns one matrix for each of the mobilities of the real particles. Pairs get the harmonic mean; an
-/// empty mobility is 1. A pair with a buffer adds (1 + r) (p_a - p_face) to the diagonal, with the reflection's ratio r
-/// of distances. Entries without a coupling have weight 0. The stencil must outlive the matrices.
+/// empty mobility is 1. All ranks call this. A pair with a buffer adds (1 + r) (p_a - p_face) to the diagonal, with the
+/// reflection's ratio r of distances. Entries without a coupling have weight 0. The stencil must outlive the matrices.
 template <int D, std::size_t n_mobilities>
 std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
                                                 const std::array<std::span<const double>, n_mobilities>& mobilities) {
   std::array<PairMatrix, n_mobilities> matrices;
   for (auto& m : matrices) {
-    m.column = {s.offset, s.other, s.parent, s.beyond};
+    m.column = {s.offset, s.other, s.parent, s.beyond, s.n_particles};
     m.weight.resize(s.other.size());
     m.diagonal.resize(s.n_real);
   }
-  const bool buffers = s.n_base > s.n_real;
+  const bool buffers = s.n_base > s.n_particles;
+  std::vector<WithCopies<double>> everywhere;
+  for (const auto mobility : mobilities) everywhere.push_back(mobility_with_copies(s, mobility));
   const auto same = [](std::span<const double> values) {
     return parallel_all(values.size(), [&](std::size_t a) { return values[a] == values[0]; });
   };
-  if (!buffers && same(s.volume) && std::all_of(mobilities.begin(), mobilities.end(), same)) {
+  // Both ranks of a pair must take the same way, for the two ways round weights differently.
+  if (s.domain.all(!buffers && same(s.volume) && std::all_of(everywhere.begin(), everywhere.end(), same))) {
     for (std::size_t i = 0; i < n_mobilities && s.n_real > 0; ++i)
-      fill_even_laplacian(s, s.volume[0] * (mobilities[i].empty() ? 1.0 : mobilities[i][0]), matrices[i]);
+      fill_even_laplacian(s, s.volume[0] * (everywhere[i].empty() ? 1.0 : everywhere[i][0]), matrices[i]);
     if (s.uneven_images)
       for (auto& m : matrices) make_symmetric(s, m);
     return matrices;
@@ -399,10 +412,10 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
     if constexpr (D == 3) x[At::at_length] = s.length(j);
     const Index q = s.parent[j];
-    if (q >= s.n_real) return;
+    if (q >= s.n_particles) return;
     x[At::volume] = s.volume[j];
     x[At::amplified] = s.amplification[q];
-    for (std::size_t i = 0; i < n_mobilities; ++i) x[At::mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
+    for (std::size_t i = 0; i < n_mobilities; ++i) x[At::mobility + i] = everywhere[i].empty() ? 1.0 : everywhere[i][q];
   });
   for_pairs<LaplacianRow<D, n_mobilities>::template Row>(
       s.rows(), PairInputs{points.data()},
@@ -413,7 +426,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
         gather<0, D + n_numbers>(pair.rows(), point);
         if (buffers)
           pair.for_each([&](Index j, std::size_t k) {
-            if (const Index q = s.parent[j]; q >= s.n_real)
+            if (const Index q = s.parent[j]; q >= s.n_particles)
               own.faces += static_cast<double>(s.gradient_factor[k]) * s.reflection(pair.i, q);
           });
         // The kernel is computed again: the list's is rounded together with the volume of one of the pair's particles.
@@ -439,8 +452,8 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
       [&](std::size_t a, const auto& own) __attribute__((always_inline)) {
         const double* const self = points[a].row();
         for (std::size_t m = 0; m < n_mobilities; ++m)
-          matrices[m].diagonal[a] = sum_of_lanes(own.sum[m]) + 2.0 * self[At::volume] * self[At::mobility + m] *
-                                                                   self[At::amplified] * own.faces;
+          matrices[m].diagonal[a] = sum_of_lanes(own.sum[m]) +
+                                    2.0 * self[At::volume] * self[At::mobility + m] * self[At::amplified] * own.faces;
       });
   if (s.uneven_images)
     for (auto& m : matrices) make_symmetric(s, m);

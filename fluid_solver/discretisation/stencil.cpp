@@ -54,7 +54,7 @@ void find_pairs(double largest, Stencil<D>& s) {
       while (other.size() % n_lanes != 0) other.push_back(static_cast<Index>(a));
       Index highest = 0;
       for (std::size_t m = begin; m < other.size(); ++m) highest = std::max(highest, other[m]);
-      s.beyond[a] = highest >= s.n_real;
+      s.beyond[a] = highest >= s.n_particles;
       offset.push_back(static_cast<Index>(other.size()));
     }
   };
@@ -89,9 +89,9 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
   const std::size_t n = s.n_real;
   std::vector<char> soils(s.size(), 0), sills(s.size(), 0);  // which points are ghosts of the two kinds
   bool any = false;
-  for (std::size_t j = n; j < s.size(); ++j) {
+  for (std::size_t j = s.n_particles; j < s.size(); ++j) {
     const Index q = s.parent[j];
-    soils[j] = q >= n && buffers[q - n].in_soil;
+    soils[j] = q >= s.n_particles && buffers[q - s.n_particles].in_soil;
     sills[j] = j >= s.n_base && (s.boundaries[j - s.n_base] >> sill_boundary & 1u) != 0;
     any = any || soils[j] || sills[j];
   }
@@ -148,7 +148,7 @@ void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& 
       if (inside < -reach || inside > reach || std::abs(place) > near + reach) return;
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k];
-        if (j < s.n_real || j == a) continue;
+        if (j < s.n_particles) continue;
         const Vec<D> to = s.position[j] - joint.at;
         const double behind = joint.normal.dot(to);
         if (!(inside >= 0.0 && behind < 0.0)) continue;
@@ -163,7 +163,7 @@ void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& 
 }
 
 /// Marks open water: particles that no soil covers, and that have no particle covered by soil within reach. soilless
-/// [real]: 1 where no soil covers the particle; empty: no soil anywhere.
+/// [particles]: 1 where no soil covers the particle; empty: no soil anywhere.
 template <int D>
 void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   s.open_water.assign(s.n_real, 1);
@@ -171,15 +171,15 @@ void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   parallel_for(s.n_real, [&](std::size_t a) {
     bool open = soilless[a] != 0;
     for (Index k = s.offset[a]; k < s.offset[a + 1] && open; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real) open = soilless[q] != 0;
+      if (const Index q = s.parent[s.other[k]]; q < s.n_particles) open = soilless[q] != 0;
     s.open_water[a] = open ? 1 : 0;
   });
 }
 
 /// What sum_pairs() computes for a row: kernel sums, and the least ratio of distance to smoothing length.
 template <int D>
-struct KernelSums : SumsOf<2 + D + D * (D + 1) / 2> {
-  using Sums = SumsOf<2 + D + D * (D + 1) / 2>;
+struct KernelSums : SumsOf<2 + D + D*(D + 1) / 2> {
+  using Sums = SumsOf<2 + D + D*(D + 1) / 2>;
   template <class In>
   struct Row : Sums::template Row<In> {
     typename In::Number least = typename In::Number{} + sph::support_radius;
@@ -284,18 +284,21 @@ template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool by_density,
                         std::size_t worth_threads, const sph::Sight<D>& sight, std::span<const Joint<D>> joints,
-                        std::span<const char> soilless, const Surfaces* surfaces) {
+                        std::span<const char> soilless, const Surfaces* surfaces, const Domain& domain) {
   Stencil<D> s;
+  s.domain = domain;
   s.worth_threads = worth_threads;
-  s.n_real = x.size();
-  s.n_base = s.n_real + buffers.size();
+  s.n_particles = x.size();
+  s.n_real = s.n_particles - domain.copies();
+  s.n_base = s.n_particles + buffers.size();
   s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
-  // The largest volume of the points on this rank, which determines the reach of images and pairs.
-  double largest = one_rank::max_over(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
+  // The largest volume of all points, which determines the reach of images and pairs. Water behind faces is this
+  // rank's.
+  double largest = domain.max_over(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    base[s.n_real + i] = buffers[i].position;
+    base[s.n_particles + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);
   }
   largest = points::smoothing_ratio * spacing_of<D>(largest);
@@ -311,7 +314,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     const std::size_t q = i < s.n_base ? i : images.parent[i - s.n_base];
     s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
     s.parent[i] = static_cast<Index>(q);
-    s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
+    s.volume[i] = q < s.n_particles ? volume[q] : buffers[q - s.n_particles].volume;
     if (D == 3) s.smoothing[i] = points::smoothing_ratio * spacing_of<D>(s.volume[i]);
   });
   base = VecArray<D>();
@@ -322,7 +325,14 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.of = std::move(images.of);
 
   const std::size_t n = s.n_real;
-  if (n == 0) return s;
+  const auto exchange = [&] {
+    fill_copies(s.domain, std::span(s.normal));
+    fill_copies(s.domain, std::span(s.amplification));
+  };
+  if (n == 0) {
+    exchange();  // other ranks may have water
+    return s;
+  }
   find_pairs(largest, s);
   part_ghosts(buffers, free, s);
   if (sight.limited()) hide_behind_walls(sight, reach, s);
@@ -330,8 +340,9 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   part_at_joints(joints, reach, s);
   // The largest arrays are allocated first: smaller ones fit in between.
   s.gradient_factor.resize(s.other.size());
-  for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) array->resize(n);
-  s.normal.resize(n);
+  for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.least_moment}) array->resize(n);
+  s.amplification.resize(s.n_particles);
+  s.normal.resize(s.n_particles);
   s.covered.assign(n, false);
   s.at_face.assign(n, false);
   s.correction.resize(n);
@@ -374,6 +385,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     for (std::size_t a = first; a < last; ++a)
       if (edge[a] != 0) fill_edge(a);
   });
+  exchange();
   return s;
 }
 
@@ -382,7 +394,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>,  \
                                       std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t, \
                                       const sph::Sight<D>&, std::span<const Joint<D>>, std::span<const char>,        \
-                                      const Surfaces*);                                                              \
+                                      const Surfaces*, const Domain&);                                               \
   template sph::Images<D> images_of<D>(std::span<const Vec<D>>, std::span<const sph::ImagePlane<D>>,                 \
                                        const sph::Sight<D>&, const Surfaces*, double);
 PORETWIN_INSTANTIATE(2)

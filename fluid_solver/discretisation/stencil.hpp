@@ -149,12 +149,14 @@ struct Joint {
   int boundary = 0;                                        ///< boundary number of the wall
 };
 
-/// Lengths of the arrays: [all] points, [real] particles, [base] particles and buffers, [images], [pairs] entries of
-/// the pair lists, [columns] of the faces.
+/// Lengths of the arrays: [all] points, [real] particles of this rank, [particles] these and copies of other ranks'
+/// particles, [base] particles and buffers, [images], [pairs] entries of the pair lists, [columns] of the faces. Each
+/// begins with the points of those before it, so that an index names the same point in all.
 template <int D>
 struct Stencil {
-  Domain domain;                       ///< its owned particles are the real ones
-  std::size_t n_real = 0, n_base = 0;  ///< number of real particles; number of particles and buffers
+  Domain domain;                            ///< its owned particles are the real ones
+  std::size_t n_real = 0;                   ///< number of real particles, which have rows of pairs
+  std::size_t n_particles = 0, n_base = 0;  ///< number of particles with copies; number of particles and buffers
   std::size_t worth_threads = worth_threads_in_pairs;
   VecArray<D> position;                   ///< [all]
   ScalarArray volume;                     ///< [all] V, m^D
@@ -165,7 +167,7 @@ struct Stencil {
   std::vector<std::uint32_t> boundaries;  ///< [images] boundaries passed, one bit for each
   std::vector<Index> by, of;              ///< [images] see sph::Images; only where lines of sight are limited
   bool uneven_images = false;             ///< walls have any shape: two particles see different images of each other
-  std::vector<Buffer<D>> buffers;         ///< [base - real]
+  std::vector<Buffer<D>> buffers;         ///< [base - particles]
 
   /// Slope of the pressure at each face column: that of a straight line through the face's pressure, fitted to the
   /// particles inside. slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]). The
@@ -178,7 +180,7 @@ struct Stencil {
   /// padded with a itself, whose terms are zero.
   std::vector<Index> offset{0};
   UnsetArray<Index> other;   ///< [pairs] the other point
-  std::vector<char> beyond;  ///< [real] 1 if some of its pairs are with points that are not real particles
+  std::vector<char> beyond;  ///< [real] 1 if some of its pairs are with points that are not particles
   /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). Single precision halves the memory.
   /// Moments are sums of the rounded values, so that gradients of linear fields stay exact.
   UnsetArray<float> gradient_factor;
@@ -187,14 +189,14 @@ struct Stencil {
   UnsetArray<double> fullness;       ///< [real] sum V W, or sum V density_weight, over the sum of a lattice
   UnsetArray<double> closest;        ///< [real] least distance from another point, over the pair's smoothing length
   UnsetArray<double> divergence;     ///< [real] sum V div r: D inside; used until the surface is found
-  UnsetArray<double> amplification;  ///< [real] factor on pair sums of second derivatives; makes them exact for a
+  UnsetArray<double> amplification;  ///< [particles] factor on pair sums of second derivatives; makes them exact for a
                                      ///< quadratic on average
-  VecArray<D> normal;         ///< [real] 1/m, sum V grad W: points inwards where neighbours are missing on one side
+  VecArray<D> normal;  ///< [particles] 1/m, sum V grad W: points inwards where neighbours are missing on one side
   std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: loose packing, not a surface
   std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face, at which the water ends
-  /// [real] Prescribed distance of a surface particle from the surface [m]; 0: half a spacing.
+  /// [particles] Prescribed distance of a surface particle from the surface [m]; 0: half a spacing.
   OrZero<double> prescribed_surface_distance;
-  OrZero<double> surface_pressure;  ///< [real] Pa, total pressure on the surface: 0, or a suction
+  OrZero<double> surface_pressure;  ///< [particles] Pa, total pressure on the surface: 0, or a suction
   MatArray<D> correction;           ///< [real] of the kernel gradient of pressures; with buffers and the free surface
   /// [real] Smallest eigenvalue of the moment matrix: 1 inside, 0 where a direction has no neighbours. A value above
   /// points::inside_moment may be a lower bound of the eigenvalue. Used until the surface is found.
@@ -229,6 +231,18 @@ struct Stencil {
     return boundary_corrections[boundary_correction_of[a] - 1];
   }
 
+  /// A field of the real particles, with its values at the copies.
+  template <class T>
+  [[nodiscard]] WithCopies<T> with_copies(std::span<const T> field) const {
+    return {domain, field.first(n_real)};
+  }
+  /// Brings the values at the copies of a field [particles] up to date; all ranks call this.
+  void fill_copies(OrZero<double>& field) const {
+    if (domain.alone() || !domain.any(field.is_allocated())) return;
+    if (!field.is_allocated()) field.allocate(n_particles);
+    poretwin::fill_copies(domain, std::span(field.values()));
+  }
+
   /// Smoothing length h [m] of any point.
   [[nodiscard]] double length(std::size_t j) const {
     return D == 3 ? smoothing[j] : points::smoothing_ratio * spacing_of<D>(volume[j]);
@@ -259,12 +273,12 @@ struct Stencil {
 
   /// Amplification (`amplification`) of the pair of real particle a and a point with parent q: the mean of both.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
-    return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
+    return 0.5 * (amplification[a] + amplification[q < n_particles ? q : a]);
   }
   /// 1 + |d_b|/d_a for the pair of real particle a and a point whose parent q is a buffer, with the distances d of both
   /// from the face. The value is bitwise the same wherever it is evaluated.
   [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
-    const auto& b = buffers[q - n_real];
+    const auto& b = buffers[q - n_particles];
     const double inside = b.inside(position[a]);
     return static_cast<float>(
         1.0 + (points::most_reflected * inside <= b.outside ? points::most_reflected : b.outside / inside));
@@ -273,7 +287,7 @@ struct Stencil {
   [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {
     return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
   }
-  [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_real && parent[j] < n_base; }
+  [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_particles && parent[j] < n_base; }
   [[nodiscard]] std::size_t size() const { return position.size(); }
   /// The pair lists for for_pairs().
   [[nodiscard]] FullRows rows() const { return {offset.data(), other.data(), n_real, worth_threads}; }
@@ -290,17 +304,19 @@ sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::Im
                          const sph::Sight<D>& sight, const Surfaces* surfaces, double reach);
 
 /// Neighbourhoods of the particles at x [m] with their bulk volumes [m^D], buffers outside faces, and images behind
-/// planes. free [n]: 1 for particles in no soil, 0 for others; empty: all are free. Water in soil does not see images
+/// planes. domain: how many of these particles, the last ones, are copies. free [real]: 1 for particles in no soil, 0
+/// for others; empty: all are free. Water in soil does not see images
 /// behind a sill; free water does not see buffers behind a face of soil. by_density: fullness of open water is measured
 /// with density_weight. worth_threads: number of particles from which on loops use several threads. sight: where it is
 /// limited, its planes make the images. joints: of walls and faces; images and buffers beyond them are seen as far as
-/// lines of sight reach. soilless [n]: 1 for particles that no soil covers, not even in part; empty: all. surfaces:
-/// walls of any shape and planes (3D), which replace the planes.
+/// lines of sight reach. soilless [particles]: 1 for particles that no soil covers, not even in part; empty: all.
+/// surfaces: walls of any shape and planes (3D), which replace the planes.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
                         bool by_density = false, std::size_t worth_threads = worth_threads_in_pairs,
                         const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {},
-                        std::span<const char> soilless = {}, const Surfaces* surfaces = nullptr);
+                        std::span<const char> soilless = {}, const Surfaces* surfaces = nullptr,
+                        const Domain& domain = {});
 
 }  // namespace poretwin::fluid

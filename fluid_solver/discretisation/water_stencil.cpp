@@ -2,6 +2,7 @@
 
 #include "common/core/threads.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
+#include "fluid_solver/discretisation/ranks.hpp"
 #include "fluid_solver/motion/volume_source.hpp"
 #include "fluid_solver/numerics/surface.hpp"
 
@@ -13,15 +14,18 @@ Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const Sta
   const auto buffers = make_buffers(state.columns, true);
   std::vector<char> free(p.size()), soilless;
   parallel_for(p.size(), [&](std::size_t a) { free[a] = is_free(state.particles, a); });
+  const Domain domain = with_halo(setup, walls, p);
   if (!setup.ground.strata().empty()) {
-    soilless.resize(p.size());
-    parallel_for(p.size(), [&](std::size_t a) { soilless[a] = p.mask[a] == 0.0; });
+    const WithCopies<double> mask(domain, p.mask);
+    soilless.resize(p.size() + domain.copies());
+    parallel_for(soilless.size(), [&](std::size_t a) { soilless[a] = mask[a] == 0.0; });
   }
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free,
+  const WithCopies<Vec<D>> position(domain, p.position);
+  const WithCopies<double> volume(domain, p.volume);
+  auto s = make_stencil<D>(position, volume, std::span<const Buffer<D>>(buffers), walls.planes, free,
                            uses_density_weight(setup),
                            setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight,
-                           setup.joints, soilless, walls.surfaces.get());
-  s.domain = setup.domain;
+                           setup.joints, soilless, walls.surfaces.get(), domain);
   fit_columns<D>(state.columns, free, s, walls.sight);
   limit_surface<D>(setup, state, s);
   return s;

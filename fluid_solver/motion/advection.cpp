@@ -2,6 +2,7 @@
 
 #include "common/core/threads.hpp"
 #include "common/geometry/surfaces.hpp"
+#include "fluid_solver/motion/collisions.hpp"
 #include "fluid_solver/motion/packing.hpp"
 #include "fluid_solver/motion/volume_source.hpp"
 #include "fluid_solver/numerics/motion.hpp"
@@ -78,7 +79,7 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
   });
   auto shift = packing_displacements<D>(s, speed, motion, p.surface, p.in_seepage, interval, state.full);
   parallel_for(besides.size(), [&](std::size_t a) { shift[a] += besides[a]; });
-  collide<D>(s, p.in_seepage, p.mass, p.velocity);
+  collide(setup, s, p);
   parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> d = interval * p.velocity[a];
     if (p.in_seepage[a] != 0)

@@ -91,32 +91,4 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   return displacement;
 }
 
-/// Collisions of free water: pairs closer than `motion::collision` spacings lose their speed of approach; momentum is
-/// conserved. A particle on a wall loses its velocity into the wall, since the pressure of its own image cannot stop
-/// it.
-template <int D>
-void collide(const Stencil<D>& s, std::span<const char> in_seepage, std::span<const double> mass,
-             std::span<Vec<D>> velocity) {
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (in_seepage[a] != 0 || s.closest[a] * points::smoothing_ratio >= motion::collision) continue;
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k], b = s.parent[j];
-      const Vec<D> ba = s.position[j] - s.position[a];
-      const double r2 = ba.squaredNorm(),
-                   limit = motion::collision * 0.5 * (s.length(a) + s.length(j)) / points::smoothing_ratio;
-      if (r2 >= limit * limit || r2 == 0.0) continue;
-      if (b >= s.n_real || in_seepage[b] != 0 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
-      const double r = std::sqrt(r2);
-      const Vec<D> e = ba / r, other = j < s.n_real
-                                           ? velocity[b]
-                                           : Vec<D>(s.map[j - s.n_base] * velocity[a] + s.carried[j - s.n_base]);
-      const double approach = e.dot(velocity[a] - other);
-      if (approach <= 0.0) continue;
-      const double share = j < s.n_real ? mass[b] / (mass[a] + mass[b]) : 0.5;
-      velocity[a] -= share * approach * e;
-      if (j < s.n_real) velocity[b] += (1.0 - share) * approach * e;
-    }
-  }
-}
-
 }  // namespace poretwin::fluid

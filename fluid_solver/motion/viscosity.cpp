@@ -34,10 +34,18 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   // In soil, drag damps more than this viscosity would, except where inertia dominates.
   std::vector<char> damped(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated<D>(setup, state.particles, view, a); });
-  if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
+  if (s.domain.all_of(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   using motion::impact_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, setup.no_slip);
+  ScalarArray is_carried(s.n_real);
+  parallel_for(s.n_real, [&](std::size_t a) {
+    const bool own = viscosity(setup, state.particles.wave_speed[a]) <= setup.kinematic_viscosity;
+    is_carried[a] = !own && damped[a] && state.particles.in_seepage[a] == 0 ? 1.0 : 0.0;
+  });
+  const auto gradients = s.with_copies(velocity_gradient);
+  const auto wave_speeds = s.template with_copies<double>(state.particles.wave_speed);
+  const auto carried = s.template with_copies<double>(is_carried);
   // Data of a point: velocity, velocity gradient, smoothing length, viscosity for shear and for noise; and 1 where
   // moving soil carries the water along, 0 elsewhere, -1 for a buffer, which does not count.
   constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_shear = at_length + 1,
@@ -45,10 +53,10 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   PackedPoints<D, at_carried + 1> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
-    const bool real = q < s.n_real;
+    const bool particle = q < s.n_particles;
     Mat<D> gradient = Mat<D>::Zero();
-    if (real) gradient = velocity_gradient[q];
-    if (real && j >= s.n_base) {
+    if (particle) gradient = gradients[q];
+    if (particle && j >= s.n_base) {
       const Mat<D>& map = s.map[j - s.n_base];
       gradient =
           s.sticks(j, setup.no_slip) ? Mat<D>(-gradient * map.transpose()) : Mat<D>(map * gradient * map.transpose());
@@ -60,13 +68,13 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
     row[D + at_length] = s.length(j);
     row[D + at_shear] = row[D + at_noise] = 0.0;
     row[D + at_carried] = -1.0;
-    if (!real) return;
-    const double wave_speed = state.particles.wave_speed[q], shear = viscosity(setup, wave_speed);
+    if (!particle) return;
+    const double wave_speed = wave_speeds[q], shear = viscosity(setup, wave_speed);
     // Numerical viscosity is no property of the water, and need not be exact: only the water's own is amplified.
     const bool own = shear <= setup.kinematic_viscosity;
     row[D + at_shear] = shear * (own ? s.amplification[q] : 1.0);
     row[D + at_noise] = motion::noise_viscosity * setup.spacing * wave_speed;
-    row[D + at_carried] = !own && damped[q] && state.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
+    row[D + at_carried] = carried[q];
   });
   for_gradients<D, at_carried + 1, D>(
       s, points,

@@ -45,7 +45,7 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
         s.length(a) * s.normal[a].norm() > motion::even_surroundings && !touches_soil(a))
       deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
-  if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
+  if (s.domain.all_of(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * p.solid_velocity[a];
@@ -193,13 +193,17 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
   if (p.closed_body.is_allocated())
     parallel_for(p.size(), [&](std::size_t a) { motion[a] *= p.closed_body[a] == 0 ? 1.0 : 0.0; });
   // Voids opened by cavitation are not packing errors.
-  const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
+  const bool cavitates =
+      s.domain.any(std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; }));
+  ScalarArray own_voids(cavitates ? p.size() : 0);  // bulk volume, m^D
+  for (std::size_t a = 0; a < own_voids.size(); ++a) own_voids[a] = p.void_volume[a] / p.void_fraction[a];
+  const WithCopies<double> voids(cavitates ? s.domain : Domain(), own_voids);
   const auto voids_near = [&](std::size_t a) {
     if (!cavitates) return 0.0;
-    double sum = p.void_volume[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
+    double sum = voids[a] * Kernel<D>::value(0.0, s.length(a));
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.void_volume[q] > 0.0)
-        sum += p.void_volume[q] / p.void_fraction[q] * s.value(a, s.other[k]);
+      if (const Index q = s.parent[s.other[k]]; q < s.n_particles && voids[q] > 0.0)
+        sum += voids[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
   // Particles that divide and merge beside a bed leave the packing uneven, and a pond may be shallower than the

@@ -103,7 +103,7 @@ void check_finite(const State<D>& state, const WindowSolution<D>& solution, doub
 }
 
 template <int D>
-void take_solution(const WindowSolution<D>& solution, double time, State<D>& state) {
+void take_solution(const Setup<D>& setup, const WindowSolution<D>& solution, double time, State<D>& state) {
   auto& p = state.particles;
   auto& counts = state.counts;
   counts.windows += 1;
@@ -119,8 +119,8 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
   p.velocity = solution.velocity;
   p.void_volume = solution.void_volume;
   state.section_flow = solution.section_flow;
-  const auto cavitating =
-      static_cast<double>(std::count_if(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; }));
+  const double cavitating = setup.domain.sum(
+      static_cast<double>(std::count_if(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; })));
   if (cavitating == 0.0) return;
   if (counts.cavitating == 0.0) counts.first_cavitation = time;
   counts.cavitating = std::max(counts.cavitating, cavitating);
@@ -133,7 +133,7 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
   template WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in, \
                                              const Passes<D>& passes, SoilView<D>& view, State<D>& state);           \
   template void check_finite(const State<D>& state, const WindowSolution<D>& solution, double time);                 \
-  template void take_solution(const WindowSolution<D>&, double, State<D>&);
+  template void take_solution(const Setup<D>&, const WindowSolution<D>&, double, State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -29,6 +29,6 @@ void check_finite(const State<D>& state, const WindowSolution<D>& solution, doub
 
 /// Copies a solution into the state and updates the counters. time [s]: at the window's end.
 template <int D>
-void take_solution(const WindowSolution<D>& solution, double time, State<D>& state);
+void take_solution(const Setup<D>& setup, const WindowSolution<D>& solution, double time, State<D>& state);
 
 }  // namespace poretwin::fluid

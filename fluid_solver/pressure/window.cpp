@@ -91,7 +91,8 @@ class WindowSolver {
         flags_(flags),
         in_(problem),
         n_(stencil.n_real),
-        q_{problem, soil} {
+        q_{problem, soil},
+        every_row_(domain_.alone() ? 0 : n_, 1) {
     if (in_.response) {
       r_.resize(n_);
       for (std::size_t a = 0; a < n_; ++a) {
@@ -242,7 +243,7 @@ class WindowSolver {
       cells_ = BeddedCells<D>(
           s_, in_.walls, *in_.beds, [&](std::size_t a) { return soil_.mask[a] > 0.5 && flags_[a] != Surface::lone; },
           [&](std::size_t a) { return surface_distance(a); });
-    const auto all_have_cells = parallel_all(n_, [&](std::size_t a) { return cells_.has_cell(a); });
+    const auto all_have_cells = domain_.all_of(n_, [&](std::size_t a) { return cells_.has_cell(a); });
     const PairMatrix pairs = all_have_cells ? PairMatrix() : laplacian<D>(s_, mobility);
     link_offset_.assign(1, 0);
     link_.clear();
@@ -303,7 +304,7 @@ class WindowSolver {
           mobility = harmonic(mobility, q_[q].kf);
         } else {
           // As in pressure_gradient(): a reflection would magnify the error of a particle that lies on the face itself.
-          const auto& b = s_.buffers[q - n_];
+          const auto& b = s_.buffers[q - s_.n_particles];
           const double at_face = in_.face_pressure[b.column];
           const auto slope = face_slope(s_, b.column, p, at_face);
           difference =
@@ -477,7 +478,7 @@ class WindowSolver {
   ScalarArray imbalance(std::span<const double> sources, std::span<const double> boundary,
                         const WindowSolution<D>& out) const {
     ScalarArray row(n_), rest(n_);
-    fluid_.apply(std::span<const double>(out.pressure), std::span<double>(row));
+    fluid_.apply(s_.template with_copies<double>(out.pressure), std::span<double>(row));
     const ScalarArray squeeze = squeezed(out.solid_velocity);
     for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
     if (any_response_ && (any_cavitating_ || !in_.pressure.empty())) {
@@ -526,7 +527,7 @@ class WindowSolver {
       for (const auto& side : cells_.sides(a)) {
         const Index q = side.other;
         if (q < n_ || q == BeddedCells<D>::Side::surface) continue;
-        const auto& b = s_.buffers[q - n_];
+        const auto& b = s_.buffers[q - s_.n_particles];
         take(b.column, mobility * side.conductance * s_.reflection(a, q), pressure_at_face(a, b), q);
       }
       return;
@@ -536,11 +537,11 @@ class WindowSolver {
   /// for_faces with the weights of pairs, for particles with cells, too.
   template <class Take>
   void for_buffers(std::size_t a, double mobility, const Take& take) const {
-    for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
+    for (Index k = s_.offset[a]; s_.n_base > s_.n_particles && k < s_.offset[a + 1]; ++k) {
       const Index j = s_.other[k], q = s_.parent[j];
-      if (j < n_ || !s_.is_buffer(j)) continue;
+      if (j < s_.n_particles || !s_.is_buffer(j)) continue;
       const double w = 2.0 * s_.volume[a] * mobility * s_.gradient_factor[k] * s_.amplified(a, q) * s_.reflection(a, q);
-      const auto& b = s_.buffers[q - n_];
+      const auto& b = s_.buffers[q - s_.n_particles];
       take(b.column, w, pressure_at_face(a, b), q);
     }
   }
@@ -559,7 +560,7 @@ class WindowSolver {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
     out.face_carry.assign(count, 0.0);
-    for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
+    for (std::size_t a = 0; s_.n_base > s_.n_particles && a < n_; ++a) {
       if (cells_.has_cell(a)) {
         add_face_flow_of_cell(a, out);
         continue;
@@ -603,17 +604,19 @@ class WindowSolver {
   /// a buffer ahead of others would expose more of its cell, and so get ahead of them further.
   void add_face_flow_of_cell(std::size_t a, WindowSolution<D>& out) const {
     for_faces(a, q_[a].kf, [&](Index column, double w, double pressure, Index q) {
-      const Buffer<D>& through = s_.buffers[q - n_];
+      const Buffer<D>& through = s_.buffers[q - s_.n_particles];
       const auto beside = [&](const Buffer<D>& b) {
         return in_.face_soil[b.column] == in_.face_soil[column] && b.normal.dot(through.normal) > 1.0 - 1e-9 &&
                std::abs(through.normal.dot(b.foot - through.foot)) < 1e-6 * s_.length(a);
       };
       double all = 0.0;
-      for_buffers(a, 1.0, [&](Index, double part, double, Index i) { all += beside(s_.buffers[i - n_]) ? part : 0.0; });
+      for_buffers(a, 1.0, [&](Index, double part, double, Index i) {
+        all += beside(s_.buffers[i - s_.n_particles]) ? part : 0.0;
+      });
       const double flow = w * (pressure - out.pressure[a]);
       if (all == 0.0) out.face_flow[column] += flow;
       for_buffers(a, 1.0, [&](Index other, double part, double, Index i) {
-        if (all > 0.0 && beside(s_.buffers[i - n_])) out.face_flow[other] += part / all * flow;
+        if (all > 0.0 && beside(s_.buffers[i - s_.n_particles])) out.face_flow[other] += part / all * flow;
       });
     });
   }
@@ -766,7 +769,7 @@ class WindowSolver {
     remove_means(b);
     if (!all_closed_) {
       ScalarArray row(n_);
-      fluid_.apply(ScalarArray(n_, 1.0), std::span<double>(row));
+      fluid_.apply(ScalarArray(s_.n_particles, 1.0), std::span<double>(row));
       const double num = domain_.sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
       const double den = domain_.sum_over(n_, [&](std::size_t a) { return row[a]; });
       reference = den > 0.0 ? num / den : 0.0;
@@ -806,9 +809,13 @@ class WindowSolver {
       out.multigrid = !report.converged;
     }
     if (!report.converged) {
-      Multigrid multigrid(fluid_);
+      // Each rank makes its own, as with aggregates.
+      const bool shared = !domain_.alone();
+      const PairMatrix own = shared ? among_real(fluid_) : PairMatrix();
+      std::optional<Multigrid> multigrid;
+      if (n_ > 0) multigrid.emplace(shared ? own : fluid_);
       const auto by_cycle = [&](std::span<const double> r, std::span<double> z) {
-        multigrid.cycle(r, z);
+        if (multigrid) multigrid->cycle(r, z);
         remove_means(z);
       };
       report = conjugate_gradients(domain_, apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
@@ -832,9 +839,19 @@ class WindowSolver {
     aggregates.factorise([&](std::size_t a, const auto& add) {
       add(a, (1.0 + pressure::regularisation) * fluid_.diagonal[a]);
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
-        add(fluid_.column(a, k), -static_cast<double>(fluid_.weight[k]));
+        if (const Index b = fluid_.column(a, k); b < n_) add(b, -static_cast<double>(fluid_.weight[k]));
     });
     return aggregates;
+  }
+  /// A matrix without the weights of copies, which stay in its diagonal: as if their values were zero.
+  PairMatrix among_real(const PairMatrix& matrix) const {
+    PairMatrix own = matrix;
+    for (std::size_t a = 0; a < n_; ++a)
+      for (std::size_t k = own.begin(a); k < own.end(a); ++k)
+        if (matrix.column(a, k) >= n_) own.weight[k] = 0.0F;
+    own.column.count = n_;
+    own.column.beyond = every_row_;
+    return own;
   }
 
   /// Drive of the flow, to which the tolerance refers: the norm of the residual when prescribed pressures are in place
@@ -842,7 +859,7 @@ class WindowSolver {
   double drive(const ScalarArray& b, double reference) const {
     ScalarArray known(n_), residual(n_);
     parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
-    fluid_.apply(std::span<const double>(known), std::span<double>(residual));
+    fluid_.apply(s_.template with_copies<double>(known), std::span<double>(residual));
     parallel_for(n_, [&](std::size_t a) { residual[a] = is_known(a) ? 0.0 : b[a] - residual[a]; });
     return domain_.norm(residual);
   }
@@ -885,7 +902,7 @@ class WindowSolver {
     for (std::size_t j = 0; j < s_.size(); ++j)
       if (const Index b = s_.parent[j]; b < n_ && responds(b))
         points[j].x = {r_[b].M, s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
-    const bool buffers = s_.n_base > n_;
+    const bool buffers = s_.n_base > s_.n_particles;
     for_pairs<StiffPoint::Row>(
         s_.rows(), PairInputs{points.data()},
         [&](const auto& pair, auto& own) __attribute__((always_inline)) {
@@ -902,7 +919,7 @@ class WindowSolver {
           pair.for_each([&](Index j, std::size_t k) {
             const Index b = s_.parent[j];
             if (b == a) own.turned += static_cast<double>(image_weight_[k]);
-            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - s_.n_particles].column])
               own.held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k]) *
                           s_.amplified(a, b) * s_.reflection(a, b);
           });
@@ -944,8 +961,8 @@ class WindowSolver {
       return;
     }
     for (std::size_t a = 0; a < n_; ++a) flow_[a] = dry_skeleton_stiffness(a) * soil_.velocity[a];
-    if (std::all_of(soil_.plastic_shear_ratio.begin(), soil_.plastic_shear_ratio.end(),
-                    [](double y) { return y <= 0.0; }))
+    if (domain_.all(std::all_of(soil_.plastic_shear_ratio.begin(), soil_.plastic_shear_ratio.end(),
+                                [](double y) { return y <= 0.0; })))
       return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
     for (std::size_t a = 0; a < n_; ++a)
@@ -1201,8 +1218,8 @@ class WindowSolver {
     out.gradient = pressing_gradient(out.pressure, false);
     find_face_flow(out);
     VecArray<D> flux;  // empty if the mobility is uniform
-    const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
-    if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
+    const double mobility = domain_.max(n_ == 0 ? 0.0 : q_[0].kf);
+    if (!domain_.all_of(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
       ScalarArray own(n_);
       parallel_for(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
       flux = pressure_gradient<D>(
@@ -1265,6 +1282,7 @@ class WindowSolver {
   UnresolvedPressure<D> unresolved_;  ///< empty where no soil moves
   ScalarArray boundary_, stabilisation_, storage_, H_diagonal_;
   ScalarArray H_inverse_;                    ///< [n] inverse diagonal of the preconditioner
+  std::vector<char> every_row_;              ///< [n] 1; empty where one rank has all particles
   std::optional<Aggregates<D>> aggregates_;  ///< coarse space for the skeleton's stiffness
   std::vector<float> image_weight_;          ///< [pairs] N s/m, weights of the skeleton's stiffness
 };

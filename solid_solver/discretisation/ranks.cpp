@@ -72,30 +72,6 @@ ParticleArrays arrays_of(const Setup<D>& setup, State<D>& state, std::size_t n) 
   return arrays;
 }
 
-/// Further places whose surroundings this rank needs. Where an image of a particle acts on a particle of this rank, the
-/// reflection or translation that makes the image, undone, takes the latter to a place that is as near to the former as
-/// the image is. At a plane mirror the particle itself is nearer still, unless it is on the outer side of the plane,
-/// beyond the end of a wall.
-template <int D>
-VecArray<D> places_that_see_images(const Boundaries<D>& boundaries, double range, const VecArray<D>& position) {
-  VecArray<D> views;
-  for (std::size_t k = boundaries.planes.size(); k-- > 0;) {  // images are made in the order of the planes
-    const auto& plane = boundaries.planes[k];
-    const bool periodic = boundaries.kinds[k] == BoundaryKind::periodic;
-    const auto undo = [&](const Vec<D>& x) {
-      const double distance = plane.normal.dot(x - plane.point);
-      if (!periodic && distance >= 0.0) return;
-      const Vec<D> seen = periodic ? Vec<D>(x - plane.shift) : Vec<D>(x - 2.0 * distance * plane.normal);
-      // Images are made of particles within range of the plane.
-      if (std::abs(plane.normal.dot(seen - plane.point)) <= 2.0 * range) views.push_back(seen);
-    };
-    const std::size_t before = views.size();
-    for (const auto& x : position) undo(x);
-    for (std::size_t v = 0; v < before; ++v) undo(Vec<D>(views[v]));
-  }
-  return views;
-}
-
 }  // namespace
 
 template <int D>
@@ -125,7 +101,7 @@ void share_out(const Setup<D>& setup, State<D>& state) {
   count_held(share.first_held, state);
   const std::size_t n = p.size(), n_free = p.free();
 
-  const VecArray<D> views = places_that_see_images(setup.boundaries, setup.range(), p.position);
+  const VecArray<D> views = sph::places_that_see_images<D>(setup.boundaries.planes, setup.range(), p.position);
   const std::size_t copies = setup.tiling->find_copies(p.position, share.ids, setup.range(), views), all = n + copies;
   for (auto* vectors : {&p.position, &p.displacement, &p.velocity, &state.body}) vectors->resize(all, Vec<D>::Zero());
   for (auto* slips : {&p.slip, &p.slipped, &p.wall_slope})

@@ -10,14 +10,6 @@
 
 namespace poretwin::solid {
 
-/// Brings the entries of the copies, which stand behind those of this rank's own particles, up to date.
-template <class T>
-void fill_copies(const Domain& domain, std::span<T> values) {
-  static_assert(sizeof(T) % sizeof(double) == 0, "values are sent as numbers of 8 bytes");
-  constexpr std::size_t each = sizeof(T) / sizeof(double);
-  domain.exchange({reinterpret_cast<double*>(values.data()), values.size() * each}, each);
-}
-
 /// Leaves of all particles those with which this rank begins.
 template <int D>
 void begin_with_share(const Setup<D>& setup, State<D>& state);

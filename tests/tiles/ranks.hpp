@@ -3,15 +3,29 @@
 #pragma once
 
 #include "common/tiles/communicator.hpp"
+#include "common/tiles/partition.hpp"
 
 #include "common/core/vector.hpp"
 
+#include <limits>
 #include <random>
 
 namespace poretwin::tiles {
 
 /// All ranks of this run; set by main().
 const Communicator& all_ranks();
+
+/// Slabs of equal thickness across an axis, of which the first and the last are open.
+template <int D>
+Partition<D> slabs(int axis, double from, double to) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const int n = all_ranks().size();
+  std::vector<Box<D>> boxes(static_cast<std::size_t>(n), {Vec<D>::Constant(-infinity), Vec<D>::Constant(infinity)});
+  for (int r = 0; r + 1 < n; ++r)
+    boxes[static_cast<std::size_t>(r)].upper[axis] = boxes[static_cast<std::size_t>(r) + 1].lower[axis] =
+        from + (to - from) * (r + 1) / n;
+  return Partition<D>(std::move(boxes));
+}
 
 /// Particles as every rank can make them by itself, in the order of their ids 0 .. n - 1: a lattice in the unit square
 /// or cube, each point off its place by up to a fifth of the spacing.

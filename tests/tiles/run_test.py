@@ -1,4 +1,4 @@
-"""`poretwin run --tiles P`: results as of one process; a run that is stopped or killed goes on, on another number of ranks; what several
+"""`poretwin run --tiles P`: results as of one process, for soil and for water; a run that is stopped or killed goes on, on another number of ranks; what several
 processes cannot compute is refused before anything starts. Arguments: program, folder of the sources."""
 import json, os, shutil, signal, subprocess, sys, tempfile, time, unittest
 from pathlib import Path
@@ -82,6 +82,22 @@ class Tiles(unittest.TestCase):
         gauges = [np.genfromtxt(self.folder / out / "gauges.csv", delimiter=",", names=True, dtype=None, encoding="utf8") for out in ("one", "two")]
         self.assertEqual(len(gauges[0]), len(gauges[1]))
 
+    def test_gives_the_water_of_one_process(self):
+        for out, more in (("one", []), ("two", ["--tiles", "2"])):
+            ended = subprocess.run([program, "run", str(sources / "cases" / "dam_break"), "--out", str(self.folder / out), "--no-pictures",
+                                    "--set", "fluid.particle_spacing=0.05", "--set", "case.end_time=0.2",
+                                    "--set", "fluid.pressure_tolerance=1e-10", *more],
+                                   capture_output=True, text=True, timeout=280)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+        last = {}
+        for out in ("one", "two"):
+            with h5py.File(self.folder / out / "fluid.vtkhdf") as file:
+                group = file["VTKHDF"]
+                last[out] = [group[name][-int(group["NumberOfPoints"][-1]):] for name in ("Points", "PointData/velocity")]
+        for one, two in zip(last["one"], last["two"]):
+            self.assertEqual(one.shape, two.shape)
+            self.assertLessEqual(np.abs(one - two).max(), 1e-5 * np.abs(one).max())
+
     def test_stopped_goes_on_with_another_number_of_ranks(self):
         # Finer than the other runs, so that it takes seconds and is still going when it is stopped.
         end = ["--set", "case.end_time=0.6", "--set", "solid.particle_spacing=0.0025"]
@@ -111,8 +127,8 @@ class Tiles(unittest.TestCase):
         wait_for(lambda: not any(is_running(pid) for pid in pids), 3)
 
     def test_refuses_what_it_cannot_compute(self):
-        for case, more, text in (("dam_break", ["--tiles", "2"], "--tiles 2: expected a case of dry soil, found water"),
-                                 ("terzaghi", ["--tiles", "2"], "expected a case of dry soil, found water"),
+        for case, more, text in (("embankment_seepage", ["--tiles", "2"], "--tiles 2: expected a case of dry soil or of water alone, found both"),
+                                 ("terzaghi", ["--tiles", "2"], "expected a case of dry soil or of water alone, found both"),
                                  ("column_collapse", ["--tiles", "0"], "--tiles"),
                                  ("column_collapse", ["--tiles", "2", "--solid", "mine"], "--solid"),
                                  ("footing", ["--tiles", "2"], "[[plate]]")):

@@ -9,28 +9,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 namespace poretwin::solid::test {
 namespace {
 
 using tiles::all_ranks;
-using tiles::Box;
 using tiles::MpiTiling;
-using tiles::Partition;
-
-/// Slabs of equal thickness across an axis, of which the first and the last are open.
-template <int D>
-Partition<D> slabs(int axis, double from, double to) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const int n = all_ranks().size();
-  std::vector<Box<D>> boxes(static_cast<std::size_t>(n), {Vec<D>::Constant(-infinity), Vec<D>::Constant(infinity)});
-  for (int r = 0; r + 1 < n; ++r)
-    boxes[static_cast<std::size_t>(r)].upper[axis] = boxes[static_cast<std::size_t>(r) + 1].lower[axis] =
-        from + (to - from) * (r + 1) / n;
-  return Partition<D>(std::move(boxes));
-}
+using tiles::slabs;
 
 Face line(std::vector<Point3> points) {
   Face face;
