@@ -44,7 +44,7 @@ inline constexpr double coverage_slope = 1.04;
 /// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
 inline constexpr std::array<double, 2> body_density{0.6, 0.8};
 /// Spread of the points of yielding soil around a place, up to which they are loose and from which on they form a body:
-/// 0 of a single point, 0.4 of two that touch, 0.5 of four, 0.54 of a row, 0.58 on a flat edge in 2D and 0.76 in 3D.
+/// 0 of a single point, 0.3 to 0.4 of two that touch, 0.38 at corners of a body, 0.58 on a flat edge (0.76 in 3D).
 /// Unit: smoothing lengths. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
 inline constexpr std::array<double, 2> body_spread{0.15, 0.3};
 
