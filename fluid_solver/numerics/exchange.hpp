@@ -45,13 +45,13 @@ inline constexpr double coverage_slope = 1.04;
 inline constexpr std::array<double, 2> body_density{0.6, 0.8};
 /// Spread of the points of yielding soil around a place, up to which they are loose and from which on they form a body:
 /// 0 of a single point, 0.3 to 0.4 of two that touch, 0.38 at corners of a body, 0.58 on a flat edge (0.76 in 3D).
-/// Unit: smoothing lengths. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
+/// Unit: smoothing lengths. Test: SoilSurface.WaterSlipsPastAnEdgeButDragsASinglePoint (untried).
 inline constexpr std::array<double, 2> body_spread{0.15, 0.3};
 
 /// Asymmetry from which on loose grains do not count; the decrease to zero begins at `outside_asymmetry`. With the
 /// whole reach of the kernel (2) water that splashes over a dune gains energy in case dam_break_on_soil. With 0.8 a
 /// single grain counts as half of its volume.
-/// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave.
+/// Unit: 1. Test: SoilSurface.GrainsApartCountAsTheVolumeTheyHave (untried).
 inline constexpr double loose_asymmetry = 1.0;
 
 /// Free water enters the pores of tight soil in short windows where the volumes of the water there leave at least this
