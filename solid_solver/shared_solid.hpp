@@ -1,51 +1,24 @@
-// Soil that several ranks share, as a phase. Each rank computes its share; the one that leads collects the whole soil
-// where it is read as a whole: for frames, gauges and checkpoints.
+// Soil that several ranks share, as a phase.
 #pragma once
 
+#include "common/ranks/shared_phase.hpp"
+#include "solid_solver/discretisation/ranks.hpp"
 #include "solid_solver/phase.hpp"
-
-#include <memory>
-#include <optional>
 
 namespace poretwin::solid {
 
-/// All ranks call the same functions in the same order, except contract(), save(), restore(), may_reject() and
-/// warnings(), which concern one rank. Frames, gauges, counters and checkpoints of the rank that leads are those of the
-/// whole soil; the others have empty ones. A checkpoint is the one that a single rank would write, so that any number
-/// of ranks can go on from it.
+/// The rank that leads also searches for rest, in the whole soil.
 template <int D>
-class SharedSolid final : public Phase {
+class SharedSolid final : public ranks::SharedPhase<Solid<D>, D> {
  public:
-  SharedSolid(const Case& scene, std::shared_ptr<Tiling<D>> tiling);
-  [[nodiscard]] coupling::Contract contract() const override { return own_.contract(); }
-  [[nodiscard]] coupling::Publication publish() const override { return own_.publish(); }
-  [[nodiscard]] std::pair<double, std::string> proposal() const override { return own_.proposal(); }
-  [[nodiscard]] bool may_reject() const override { return own_.may_reject(); }
+  using ranks::SharedPhase<Solid<D>, D>::SharedPhase;
+  [[nodiscard]] coupling::Publication publish() const override { return this->own_.publish(); }
   void initialise(const coupling::Inbox& inbox) override;
-  coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override {
-    collected_ = false;
-    return own_.advance(window, inbox);
-  }
-  void save() override { own_.save(); }
-  void restore() override {
-    collected_ = false;
-    own_.restore();
-  }
-  void archive(Archive& archive) override;
-  [[nodiscard]] OutputFrame frame() const override;
-  [[nodiscard]] std::vector<GaugeReading> gauges() const override;
-  [[nodiscard]] std::map<std::string, double> counters() const override;
   [[nodiscard]] std::vector<Warning> warnings() const override;
 
  private:
-  /// Brings `whole_` up to date.
-  void collect() const;
-  /// Gives each rank its share of the whole soil.
-  void share();
-
-  Solid<D> own_;
-  mutable std::optional<Solid<D>> whole_;  ///< on the rank that leads: all soil, as one rank has it
-  mutable bool collected_ = false;         ///< whether `whole_` is up to date; the same on every rank
+  void complete_share(State<D>& share) const override;
+  void complete_whole(State<D>& whole) const override;
 };
 
 }  // namespace poretwin::solid

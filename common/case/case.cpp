@@ -413,9 +413,9 @@ void declare(Keys& keys, Soil& s) {
   keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
               {"",
                "K0: horizontal over vertical effective stress at the start, the latter from the weight and the loads "
-               "above (with "
-               "`solid.initial_rest`: before the search for rest); absent: the search loads the soil by gravity from "
-               "nothing, which gives nu / (1 - nu) on level ground; without a search the soil starts without stress."},
+               "above (with `solid.initial_rest`: before the search for rest); absent: the search loads the soil by "
+               "gravity from nothing, which gives nu / (1 - nu) on level ground; without a search the soil starts "
+               "without stress."},
               positive());
   keys.text(
       "library", s.library,
@@ -497,9 +497,9 @@ void declare(Keys& keys, WaterFace& f) {
       {"m",
        "Elevation (along -gravity) of the free surface of the still water behind the face, a reservoir. Where it is "
        "above the upper end of a face of soil that cannot yield (2D) from which no wall rises, the water runs over "
-       "that crest as "
-       "particles of free water, critically or drowned; particles that come below the level behind the face join the "
-       "reservoir. Where no soil touches the face (2D), the face is an opening that keeps free water at that level: "
+       "that crest as particles of free water, critically or drowned; particles that come below the level behind the "
+       "face join the reservoir. Where no soil touches the face (2D), the face is an opening that keeps free water at "
+       "that level: "
        "per time it lets in sqrt(g d) (`head` - level before the opening), d the depth; what is negative is drawn off, "
        "as far as the opening lies under water."});
   keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});

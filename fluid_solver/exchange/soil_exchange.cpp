@@ -39,7 +39,8 @@ SoilView<D> see_soil(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> 
   if (!state.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(state.particles, a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  const auto full = find_full_pores<D>(setup, planes, state.particles, inbox.coverage);
+  std::vector<char> full(n, 0);  // read in short windows only
+  if (!regime.long_window) full = find_full_pores<D>(setup, planes, state.particles, inbox.coverage);
   auto view = mapped_soil<D>(setup, inbox, asymmetry, state.particles.mask, full, regime);
   const auto& received =
       setup.computes_beside ? state.particles.previous_coupling_force : state.particles.coupling_force;

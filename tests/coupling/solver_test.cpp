@@ -49,6 +49,14 @@ MockPhase mock(Role role, MockKnobs knobs, const Case& scene) {
       role, 2, [role, points](double t) { return formula_publication(role, t, points, at_rest); }, knobs);
 }
 
+/// Runs both solvers of a case until `end` [s], in windows of their choice.
+void run_to(double end, const Case& scene, Phase* water, Phase* soil, CoupledRun& run) {
+  run.broker.case_digest = scene.digest();
+  run.settings = {end, std::nullopt, 0.0, 0.0};
+  run.run(water, soil);
+  run.expect_success();
+}
+
 class SolverAgainstMock : public testing::TestWithParam<Line> {
  protected:
   void run_on(CoupledRun& run, const Case& scene, Phase* water, Phase* soil) const {
@@ -184,10 +192,7 @@ TEST(SolversTogether, AReservoirRunsOverACrestOfElasticSoil) {
   };
   const auto water = fluid::make_fluid(scene), soil = solid::make_solid(scene);
   CoupledRun run;
-  run.broker.case_digest = scene.digest();
-  run.settings = {end, std::nullopt, 0.0, 0.0};
-  run.run(water.get(), soil.get());
-  run.expect_success();
+  run_to(end, scene, water.get(), soil.get(), run);
   const double level = reading(*water, "level"),
                head = std::pow(inflow / (0.848 * std::pow(2.0 / 3.0, 1.5) * std::sqrt(9.81)), 2.0 / 3.0);
   std::printf("head over the crest %.4f m, of the weir %.4f m, passed %.5f m2\n", level - crest, head,
@@ -228,10 +233,7 @@ TEST(SolversTogether, ADiscOfTightSoilSinksPastFreeWater) {
   }
   const auto water = fluid::make_fluid(scene), soil = solid::make_solid(scene);
   CoupledRun run;
-  run.broker.case_digest = scene.digest();
-  run.settings = {end, std::nullopt, 0.0, 0.0};
-  run.run(water.get(), soil.get());
-  run.expect_success();
+  run_to(end, scene, water.get(), soil.get(), run);
   const double mixture = (1.0 - porosity) * grain + porosity * 1000.0;
   const double exact = -9.81 * (mixture - 1000.0) / (mixture + added * 1000.0);
   const double found = last(run.solid_record, "momentum_y") / (grain * last(run.solid_record, "grain_volume") * end);

@@ -5,7 +5,7 @@
 #include "common/tiles/mpi_tiling.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
-#include "tests/tiles/ranks.hpp"
+#include "tests/tiles/shared.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,9 +16,9 @@
 namespace poretwin::fluid::test {
 namespace {
 
+using tiles::across;
 using tiles::all_ranks;
 using tiles::MpiTiling;
-using tiles::slabs;
 
 constexpr double dx = 0.02;
 
@@ -91,12 +91,9 @@ Errors differences(const Particles<D>& whole, const Particles<D>& part, double s
 constexpr double scatter = 1e-6;
 
 template <int D>
-struct Shared {
-  explicit Shared(const Case& scene, std::shared_ptr<MpiTiling<D>> tiles)
-      : tiling(std::move(tiles)), whole(scene), part(scene, tiling) {
-    whole.initialise({});
-    part.initialise({});
-  }
+struct Shared : tiles::SharedAndWhole<Fluid<D>, D> {
+  using Base = tiles::SharedAndWhole<Fluid<D>, D>;
+  using Base::Base, Base::part, Base::whole, Base::step;
   /// Advances both by the windows that the whole proposes, of at most `longest` [s].
   void run(std::size_t windows, double longest = HUGE_VAL) {
     for (std::size_t k = 0; k < windows; ++k, ++step) {
@@ -111,9 +108,7 @@ struct Shared {
     const Particles<D>& own = part.state().particles;
     Errors error = differences<D>(whole.state().particles, own, part.setup().spacing,
                                   [&](std::size_t k) { return own.share.ids[k]; });
-    const auto ids = all_ranks().gather_all(own.share.ids);
-    EXPECT_EQ(ids.size(), whole.state().particles.size());
-    EXPECT_EQ(std::set<GlobalId>(ids.begin(), ids.end()).size(), ids.size());
+    this->expect_each_particle_on_one_rank();
     const auto& domain = part.setup().domain;
     for (double* one : {&error.position, &error.velocity, &error.pressure}) *one = domain.max(*one);
     error.print("shared", part.state().time);
@@ -132,17 +127,7 @@ struct Shared {
     run(10, longest);
     EXPECT_LT(errors().largest(), scatter);
   }
-  [[nodiscard]] double left() const { return part.setup().domain.sum(static_cast<double>(tiling->left())); }
-
-  std::shared_ptr<MpiTiling<D>> tiling;
-  Fluid<D> whole, part;
-  std::uint64_t step = 0;
 };
-
-template <int D>
-std::shared_ptr<MpiTiling<D>> across(int axis, double from, double to) {
-  return std::make_shared<MpiTiling<D>>(all_ranks(), slabs<D>(axis, from, to));
-}
 
 /// The initial pressure is solved for to pressure::initial_tolerance.
 constexpr double as_solved_first = 1e-7;
@@ -260,7 +245,7 @@ TEST(SharedWater, ARingOfWaterIsOneBody) {
 /// 1e-12 of the norm of the right-hand side, weights included: the other rows are solved to 1e-6.
 constexpr double as_solved_beside_cavities = 1e-5;
 
-/// With a mean pressure of zero the water in a full box is torn off the lid.
+/// With a mean pressure of zero the water in a full box cavitates under the lid.
 TEST(SharedWater, CavitatesAcrossTheCut) {
   Case scene = still();
   add_full_box(0.0, 0.4, 0.2, scene);

@@ -3,20 +3,19 @@
 #include "common/core/error.hpp"
 #include "common/tiles/mpi_tiling.hpp"
 #include "tests/solid/scenes.hpp"
-#include "tests/tiles/ranks.hpp"
+#include "tests/tiles/shared.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace poretwin::solid::test {
 namespace {
 
+using tiles::across;
 using tiles::all_ranks;
 using tiles::MpiTiling;
-using tiles::slabs;
 
 Face line(std::vector<Point3> points) {
   Face face;
@@ -103,12 +102,9 @@ double advance(Solid<D>& solid, std::uint64_t step, double interval) {
 }
 
 template <int D>
-struct Shared {
-  explicit Shared(const Case& scene, std::shared_ptr<MpiTiling<D>> tiles)
-      : tiling(std::move(tiles)), whole(scene), part(scene, tiling) {
-    whole.initialise({});
-    part.initialise({});
-  }
+struct Shared : tiles::SharedAndWhole<Solid<D>, D> {
+  using Base = tiles::SharedAndWhole<Solid<D>, D>;
+  using Base::Base, Base::part, Base::whole, Base::step;
   /// Advances both by windows of at most `interval` [s].
   void run(std::size_t windows, double interval) {
     for (std::size_t k = 0; k < windows; ++k, ++step)
@@ -118,26 +114,14 @@ struct Shared {
   Errors errors() const {
     const Particles<D>& own = part.state().particles;
     Errors error = differences<D>(whole.state().particles, own, [&](std::size_t k) { return own.share.ids[k]; });
-    const auto ids = all_ranks().gather_all(own.share.ids);
-    EXPECT_EQ(ids.size(), whole.state().particles.size());
-    EXPECT_EQ(std::set<GlobalId>(ids.begin(), ids.end()).size(), ids.size());
+    this->expect_each_particle_on_one_rank();
     const auto& domain = part.setup().domain;
     for (double* one : {&error.position, &error.velocity, &error.stress, &error.volume, &error.plastic_strain})
       *one = domain.max(*one);
     error.print("shared", part.state().time);
     return error;
   }
-  [[nodiscard]] double left() const { return part.setup().domain.sum(static_cast<double>(tiling->left())); }
-
-  std::shared_ptr<MpiTiling<D>> tiling;
-  Solid<D> whole, part;
-  std::uint64_t step = 0;
 };
-
-template <int D>
-std::shared_ptr<MpiTiling<D>> across(int axis, double from, double to) {
-  return std::make_shared<MpiTiling<D>>(all_ranks(), slabs<D>(axis, from, to));
-}
 
 TEST(SharedSoil, AnElasticBlockVibratesAcrossItsCut) {
   for (const int axis : {0, 1}) {  // across the base, and across the side walls
