@@ -395,7 +395,8 @@ class Checker : Complaints {
           more = more || supported[i];
         }
     }
-    constexpr double least = 1e-3;  // m/s; in measurements the exchange was stable above this conductivity
+    // m/s; in measurements the exchange was stable above these conductivities
+    constexpr double least_beside_water = 1e-3, least_under_water = 1e-5;
     for (std::size_t i = 0; i < n; ++i) {
       if (supported[i]) continue;
       const std::string key = fmt::format("soil[{}]", i);
@@ -404,11 +405,17 @@ class Checker : Complaints {
         fail(key,
              "nothing holds the soil up: expected a [[wall]] for soil under it, a soil that rests on one, or "
              "solid.initial_rest = false for soil that falls");
-      if (scene_.coupled() && soil.seepage_law->takes_conductivity && soil.hydraulic_conductivity < least)
+      if (!scene_.coupled() || !soil.seepage_law->takes_conductivity) continue;
+      const bool under_water = std::all_of(points[i].begin(), points[i].end(), [&](const Point3& x) {
+        return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
+                           [&](const Shape& region) { return contains(region, x, scene_.general.dimension); });
+      });
+      const double least = under_water ? least_under_water : least_beside_water;
+      if (soil.hydraulic_conductivity < least)
         fail(key + ".hydraulic_conductivity",
-             fmt::format("soil that falls, beside water, has no stable exchange with it below {:g} m/s: expected at "
-                         "least that, or a [[wall]] that holds it up, found {:g}",
-                         least, soil.hydraulic_conductivity));
+             fmt::format("soil that falls, {} water, has no stable exchange with it below {:g} m/s: expected at least "
+                         "that, or a [[wall]] that holds it up, found {:g}",
+                         under_water ? "under" : "beside", least, soil.hydraulic_conductivity));
     }
   }
 

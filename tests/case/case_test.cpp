@@ -244,6 +244,14 @@ TEST_F(CaseFile, SoilNeedsSupport) {
   EXPECT_EQ(complaint(changed(falling, "[[soil]]\nmin = [0, 0.5]",
                               "[[soil]]\nhydraulic_conductivity = 1e-3\nmin = [0, 0.5]")),
             "no complaint");
+  const std::string immersed = changed(falling, "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.4]",
+                                       "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.6]");
+  const auto with = [&](const std::string& k) {
+    return changed(immersed, "[[soil]]\nmin = [0, 0.5]",
+                   "[[soil]]\nhydraulic_conductivity = " + k + "\nmin = [0, 0.5]");
+  };
+  EXPECT_EQ(complaint(with("1e-5")), "no complaint");
+  EXPECT_THAT(complaint(with("1e-6")), HasSubstr("soil that falls, under water, has no stable exchange"));
 }
 
 TEST_F(CaseFile, ChecksPrescribedPressure) {
