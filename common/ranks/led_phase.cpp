@@ -55,6 +55,7 @@ class LedPhase final : public Phase {
     leader_.call(Call::initialise, [&] { own_->initialise(inbox); });
   }
   Outcome advance(const Window& window, const Inbox& inbox) override {
+    leader_.at_step(window.step);
     return leader_.call(
         Call::advance, [&] { return own_->advance(window, inbox); }, window);
   }
@@ -129,6 +130,7 @@ void follow(const tiles::Communicator& all, const MakePart& part) {
         case Call::advance: {
           Window window;
           said(window);
+          all.at_step(window.step);
           static_cast<void>(phase->advance(window, nothing));
           break;
         }

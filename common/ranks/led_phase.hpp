@@ -56,6 +56,7 @@ class Leader {
   }
   /// Whether a call failed: the other ranks hear of no further one.
   [[nodiscard]] bool failed() const { return failed_; }
+  void at_step(std::uint64_t step) const { all_.at_step(step); }
 
  private:
   void announce(const std::string& call) const;

@@ -1,6 +1,7 @@
 #include "common/tiles/communicator.hpp"
 
 #include "common/core/error.hpp"
+#include "common/tiles/heartbeat.hpp"
 #include "common/tiles/mpi.hpp"
 
 #include <fmt/format.h>
@@ -96,6 +97,8 @@ Communicator::~Communicator() = default;
 int Communicator::rank() const { return mpi_->rank; }
 int Communicator::size() const { return mpi_->size; }
 const Traffic& Communicator::traffic() const { return mpi_->traffic; }
+void Communicator::at_step(std::uint64_t step) const { mpi_->step = step; }
+std::uint64_t Communicator::step() const { return mpi_->step; }
 
 void Communicator::gather_bytes(std::span<const std::byte> own, std::span<std::byte> all, char purpose) const {
   // Each part is preceded by the number and the purpose of the call, so that ranks that are at different calls are
@@ -215,7 +218,11 @@ int run_as_rank(int argc, char** argv, const std::function<int(const Communicato
     return static_cast<int>(code);
   };
   try {
-    const int code = work(Communicator(std::move(mpi)));
+    const int code = [&] {
+      const Communicator all(std::move(mpi));
+      const Heartbeat heartbeat(all);
+      return work(all);
+    }();
     MPI_Comm_free(&handle);
     MPI_Finalize();
     return code;

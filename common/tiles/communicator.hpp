@@ -75,6 +75,9 @@ class Communicator {
   [[nodiscard]] int rank() const;
   [[nodiscard]] int size() const;
   [[nodiscard]] const Traffic& traffic() const;
+  /// The window that this rank computes, for messages about it: set by the thread that computes, read by any thread.
+  void at_step(std::uint64_t step) const;
+  [[nodiscard]] std::uint64_t step() const;
   [[nodiscard]] const Mpi& mpi() const { return *mpi_; }
 
   /// What each rank gives, in the order of the ranks: [size * own.size()]. All give equally many values. `purpose`

@@ -6,6 +6,8 @@
 
 #include <mpi.h>
 
+#include <atomic>
+
 namespace poretwin::tiles {
 
 struct Communicator::Mpi {
@@ -13,6 +15,7 @@ struct Communicator::Mpi {
   int rank = 0, size = 1;
   std::uint64_t calls = 0;  ///< calls of this communicator so far, the same number on every rank
   Traffic traffic;
+  std::atomic<std::uint64_t> step{0};
 };
 
 }  // namespace poretwin::tiles

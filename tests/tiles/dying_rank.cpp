@@ -1,4 +1,5 @@
-// A run in which one rank dies while the others exchange with it: dying_rank kill|throw. Started by dying_rank_test.py.
+// A run in which one rank dies, is stopped or is slow while the others exchange with it, or none
+// does: dying_rank kill|throw|stop|slow|wait. Started by dying_rank_test.py.
 #include "common/core/error.hpp"
 #include "common/tiles/mpi_ranks.hpp"
 
@@ -19,15 +20,26 @@ int main(int argc, char** argv) {
     const tiles::MpiRanks ranks(all, plan);
     ScalarArray value(plan.owned + plan.halo, 1.0);
     for (int step = 0;; ++step) {
+      all.at_step(static_cast<std::uint64_t>(step));
       ranks.exchange(value, 1);
       static_cast<void>(ranks.domain().sum(1.0));
       if (step < 100 || all.rank() != 1) continue;
+      if (way == "wait") {
+        if (step == 100) std::puts("steps");
+        std::fflush(stdout);
+        continue;
+      }
       // The instant, for the test: seconds since 1970, as its clock has them, too.
       const auto now = std::chrono::system_clock::now().time_since_epoch();
       std::printf("dies at %.6f\n", std::chrono::duration<double>(now).count());
       std::fflush(stdout);
       std::this_thread::sleep_for(std::chrono::milliseconds(50));  // for the line to reach mpirun
       if (way == "kill") std::raise(SIGKILL);
+      if (way == "stop") std::raise(SIGSTOP);
+      if (way == "slow") {
+        std::this_thread::sleep_for(std::chrono::seconds(4));
+        std::puts("rank 1 was waited for");
+      }
       throw DivergedError("particle 7 is at (nan, 0) m");
     }
     return 0;

@@ -3,7 +3,9 @@
 dying_rank_test.py DYING_RANK MPIRUN [options ..]
 """
 
+import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -31,6 +33,30 @@ class DyingRank(unittest.TestCase):
         done = self.run_until_death("throw")
         self.assertEqual(done.returncode, 4)
         self.assertIn("rank 1 of 3: error: particle 7 is at (nan, 0) m", done.stderr)
+
+    def test_a_stopped_rank_is_named_by_the_next(self):
+        done = self.run_until_death("stop")
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stderr, r"rank 2 of 3: error: rank 1 \(tile 1\) on .* no sign of life for 2.5 s; .* step 100:")
+
+    def test_a_slow_rank_is_waited_for(self):
+        done = self.run_until_death("slow")
+        self.assertIn("rank 1 was waited for", done.stdout)
+        self.assertEqual(done.returncode, 4)  # of the exception that ends the program
+
+    def test_ranks_that_were_all_stopped_go_on(self):
+        run = subprocess.Popen([*MPIRUN, "-n", "3", PROGRAM, "wait"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(run.stdout.readline(), "steps\n")
+        ranks = subprocess.run(["pgrep", "-f", f"{PROGRAM} wait"], capture_output=True, text=True).stdout.split()
+        ranks = [int(r) for r in ranks if int(r) != run.pid]
+        self.assertEqual(len(ranks), 3)
+        for signum, seconds in ((signal.SIGSTOP, 4.0), (signal.SIGCONT, 1.0)):
+            for rank in ranks:
+                os.kill(rank, signum)
+            time.sleep(seconds)
+        self.assertIsNone(run.poll(), "the run goes on")
+        run.kill()
+        run.communicate()
 
 
 if __name__ == "__main__":

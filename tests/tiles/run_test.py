@@ -126,6 +126,19 @@ class Tiles(unittest.TestCase):
         self.assertIn("rank 2", said)
         wait_for(lambda: not any(is_running(pid) for pid in pids), 3)
 
+    def test_ends_when_a_rank_is_stopped_and_goes_on(self):
+        end = ["--set", "case.end_time=0.2", "--set", "solid.particle_spacing=0.005", "--checkpoint-every", "0.1"]
+        running = subprocess.Popen(self.command("run", *end, "--tiles", "2"), stderr=subprocess.PIPE, text=True)
+        pids = wait_for(lambda: (found := ranks_below(running.pid)) and len(found) == 2 and (self.folder / "run" / "checkpoints").exists()
+                        and list((self.folder / "run" / "checkpoints").iterdir()) and found)
+        os.kill(pids[1], signal.SIGSTOP)
+        said = running.communicate(timeout=60)[1]
+        self.assertEqual(running.returncode, 3, said)
+        self.assertRegex(said, r"rank 1 \(tile 1\) on .* has given no sign of life")
+        wait_for(lambda: not any(is_running(pid) for pid in pids), 3)
+        ended = self.run_to_the_end("run", *end, "--tiles", "2", "--resume")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+
     def test_refuses_what_it_cannot_compute(self):
         for case, more, text in (("embankment_seepage", ["--tiles", "2"], "--tiles 2: expected a case of dry soil or of water alone, found both"),
                                  ("terzaghi", ["--tiles", "2"], "expected a case of dry soil or of water alone, found both"),
