@@ -244,8 +244,9 @@ TEST_F(CaseFile, SoilNeedsSupport) {
   EXPECT_EQ(complaint(changed(falling, "[[soil]]\nmin = [0, 0.5]",
                               "[[soil]]\nhydraulic_conductivity = 1e-3\nmin = [0, 0.5]")),
             "no complaint");
-  const std::string immersed = changed(falling, "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.4]",
-                                       "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.6]");
+  const std::string immersed =
+      changed(changed(falling, "[[water_face]]\npoints = [[0.1, 0.4], [0, 0.4]]\npressure = 0\n", ""),
+              "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.4]", "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.6]");
   const auto with = [&](const std::string& k) {
     return changed(immersed, "[[soil]]\nmin = [0, 0.5]",
                    "[[soil]]\nhydraulic_conductivity = " + k + "\nmin = [0, 0.5]");
