@@ -44,6 +44,7 @@ struct CommandLine::Arguments {
        overwrite = false, accept_changed_program = false, python = false;
   std::optional<double> checkpoint_every;
   int restarts = 2, tiles = 1;
+  std::filesystem::path hosts;
   std::string json;
   VerifyOptions verify;
   ElementOptions element;
@@ -78,6 +79,7 @@ int run(const Arguments& a, JsonOutput& json) {
   options.restarts = a.restarts;
   options.profile = a.profile;
   options.tiles = a.tiles;
+  options.hosts = a.hosts;
   const RunResult result = run_case(options);
   if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
   if (json.wanted()) json.write(run_json(place.name, place.file, options.out, result));
@@ -288,6 +290,13 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   with_tiles(run_command, a.tiles);
+  run_command
+      ->add_option(
+          "--hosts", a.hosts,
+          "machines for the processes of --tiles: a hostfile of mpirun (\"NAME slots=N\" a line), this machine first; "
+          "all have the programs and the case at the same paths")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile.description(""));
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--profile", a.profile,
                         "leave trace.json: what each process did when, for chrome://tracing or ui.perfetto.dev");

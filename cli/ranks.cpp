@@ -49,15 +49,24 @@ void expect_tiles(const RunOptions& options, const Case& scene) {
   if (found_in_path("mpirun").empty()) refuse("expected mpirun in PATH, found none: install openmpi-bin");
 }
 
-Program over_ranks(int ranks, Program solver) {
+Program over_ranks(const RunOptions& options, Program solver) {
+  const int ranks = options.tiles;
   if (ranks == 1) return solver;
-  std::vector<std::string> started{"--oversubscribe",     "--bind-to",         "none", "-n",
-                                   std::to_string(ranks), solver.file.string()};
+  std::vector<std::string> started{"--bind-to", "none", "-n", std::to_string(ranks)};
+  // Where the user says how many processes a machine takes, mpirun refuses more.
+  if (options.hosts.empty())
+    started.emplace_back("--oversubscribe");
+  else
+    started.insert(started.end(), {"--hostfile", options.hosts.string(), "-x", "OMP_NUM_THREADS"});
+  started.push_back(fs::absolute(solver.file).string());
   solver.file = found_in_path("mpirun");
   solver.arguments.insert(solver.arguments.begin(), started.begin(), started.end());
   solver.progress_on_stdout = true;
   solver.stop_signal = SIGUSR1;
-  solver.environment["OMP_NUM_THREADS"] = std::to_string(std::max(1, available_threads() / ranks));
+  // How many cores other machines have is not known here: there a rank has one thread, or as many as the user says.
+  const bool here = options.hosts.empty(), said = std::getenv("OMP_NUM_THREADS") != nullptr;
+  const int threads = here ? available_threads() / ranks : said ? available_threads() : 1;
+  solver.environment["OMP_NUM_THREADS"] = std::to_string(std::max(1, threads));
   // mpirun asks root twice. Ranks on one machine: the fast way to copy between processes is often forbidden in
   // containers, and OpenMPI complains of it.
   solver.environment["OMPI_ALLOW_RUN_AS_ROOT"] = solver.environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";

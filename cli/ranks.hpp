@@ -9,9 +9,9 @@ namespace poretwin::cli {
 /// Throws CaseError where several processes cannot compute this case on this machine.
 void expect_tiles(const RunOptions& options, const Case& scene);
 
-/// The same program, started as so many ranks by mpirun; for one rank, the program itself. Ranks are not bound to
-/// cores, since other programs may compute there. mpirun passes on output and SIGUSR1; it does not pass on other
-/// descriptors, and SIGINT makes it kill the ranks.
-Program over_ranks(int ranks, Program solver);
+/// The same program, started by mpirun as so many ranks, on the machines of the options; for one rank, the program
+/// itself. Ranks are not bound to cores, since other programs may compute there. mpirun passes on output and SIGUSR1;
+/// it does not pass on other descriptors, and SIGINT makes it kill the ranks.
+Program over_ranks(const RunOptions& options, Program solver);
 
 }  // namespace poretwin::cli

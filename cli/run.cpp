@@ -51,14 +51,21 @@ std::string last_words(const fs::path& log) {
   for (std::string line; std::getline(stream, line);)
     if (!line.empty()) lines.push_back(line);
   if (lines.empty()) return "(its log is empty)";
-  // The text begins at the last line with an error and ends before what mpirun says of it, between lines of dashes;
-  // without an error, it consists of the last three lines.
+  // The text begins at the last line with an error and ends before what mpirun says of it, between lines of dashes.
+  // Without an error, it consists of mpirun's last words, or of the last three lines.
+  const auto is_dashed = [](const std::string& line) { return line.starts_with("----------"); };
   auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin(), last = lines.end();
-  for (auto line = lines.begin(); line != lines.end(); ++line)
-    if (line->find("error:") != std::string::npos) {
-      first = line;
-      last = std::find_if(line, lines.end(), [](const std::string& l) { return l.starts_with("----------"); });
+  const auto error = std::find_if(lines.rbegin(), lines.rend(),
+                                  [](const std::string& line) { return line.find("error:") != std::string::npos; });
+  if (error != lines.rend()) {
+    first = error.base() - 1;
+    last = std::find_if(first, lines.end(), is_dashed);
+  } else if (const auto below = std::find_if(lines.rbegin(), lines.rend(), is_dashed); below != lines.rend()) {
+    if (const auto above = std::find_if(below + 1, lines.rend(), is_dashed); above != lines.rend()) {
+      first = above.base();
+      last = below.base() - 1;
     }
+  }
   std::string text;
   for (; first != last; ++first) text += (text.empty() ? "" : "\n  ") + *first;
   return text;
@@ -138,7 +145,7 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   };
   std::vector<Program> programs;
   if (!scene.coupled()) {
-    programs.push_back(over_ranks(options.tiles, program(scene.deformable() ? "solid" : "fluid", {"--alone"})));
+    programs.push_back(over_ranks(options, program(scene.deformable() ? "solid" : "fluid", {"--alone"})));
     programs.back().reports_progress = true;
     return programs;
   }
@@ -369,6 +376,8 @@ RunResult run_case(const RunOptions& options) {
     throw CaseError(
         "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
   if (options.tiles > 1) expect_tiles(options, scene);
+  if (options.tiles == 1 && !options.hosts.empty())
+    throw CaseError("--hosts: machines for the processes of --tiles: expected --tiles P with it, P of 2 or more");
   expect_memory(scene);
   const RunIdentity identity = identity_of(options, scene);
   const std::string leader = leader_of(scene), out = options.out.string();

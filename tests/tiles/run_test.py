@@ -139,11 +139,21 @@ class Tiles(unittest.TestCase):
         ended = self.run_to_the_end("run", *end, "--tiles", "2", "--resume")
         self.assertEqual(ended.returncode, 0, ended.stderr)
 
+    def test_starts_as_many_ranks_as_the_machines_take(self):
+        hosts = self.folder / "hosts"
+        hosts.write_text("localhost slots=2\n")
+        for ranks, code in ((2, 0), (3, 1)):
+            ended = self.run_to_the_end(f"on{ranks}", "--set", "case.end_time=0.02", "--tiles", str(ranks), "--hosts", str(hosts))
+            self.assertEqual(ended.returncode, code, ended.stderr)
+        self.assertIn("not enough slots", ended.stderr)
+
     def test_refuses_what_it_cannot_compute(self):
         for case, more, text in (("embankment_seepage", ["--tiles", "2"], "--tiles 2: expected a case of dry soil or of water alone, found both"),
                                  ("terzaghi", ["--tiles", "2"], "expected a case of dry soil or of water alone, found both"),
                                  ("column_collapse", ["--tiles", "0"], "--tiles"),
                                  ("column_collapse", ["--tiles", "2", "--solid", "mine"], "--solid"),
+                                 ("column_collapse", ["--hosts", __file__], "--hosts: machines for the processes of --tiles: expected --tiles P"),
+                                 ("column_collapse", ["--tiles", "2", "--hosts", "nowhere"], "--hosts: File does not exist: nowhere"),
                                  ("footing", ["--tiles", "2"], "[[plate]]")):
             with self.subTest(case=case, more=more):
                 ended = self.run_to_the_end("refused", *more, case=case)
