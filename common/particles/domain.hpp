@@ -60,6 +60,10 @@ class Domain {
     return own;
   }
   [[nodiscard]] double min(double own) const { return -max(-own); }
+  /// Maxima of this rank's values over all ranks, in place.
+  void max(std::span<double> values) const {
+    if (ranks_) ranks_->max(values);
+  }
   /// Whether a condition holds on all ranks, or on any rank.
   [[nodiscard]] bool all(bool own) const { return ranks_ ? min(own ? 1.0 : 0.0) > 0.0 : own; }
   [[nodiscard]] bool any(bool own) const { return ranks_ ? max(own ? 1.0 : 0.0) > 0.0 : own; }

@@ -31,6 +31,7 @@ void begin_with_share(const Setup<D>& setup, Particles<D>& p) {
   std::vector<Index> own;
   for (std::size_t a = 0; a < p.size(); ++a)
     if (setup.tiling->begins_with(a)) own.push_back(static_cast<Index>(a));
+  p.share.next = p.size();
   arrays_of(setup, p).reorder(own);
   p.share.ids.assign(own.begin(), own.end());
   share_out(setup, p);

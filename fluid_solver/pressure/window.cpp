@@ -231,8 +231,10 @@ class WindowSolver {
     } else {
       fluid_ = laplacian<D>(s_, mobility);
       conduct_at_edge();
+      if (domain_.all(soil_.number.empty())) return;
+      find_soils();
       even_out_directions();
-      free_along_borders();
+      free_along_borders(mobility);
     }
   }
 
@@ -288,6 +290,7 @@ class WindowSolver {
       parallel_for(n_, [&](std::size_t a) { flux[a] = q_[a].kf * out.gradient[a]; });
     }
     const auto& p = out.pressure;
+    const ScalarArray slopes = face_slopes<D>(s_, p, [&](Index c) { return in_.face_pressure[c]; });
     parallel_for(n_, [&](std::size_t a) {
       if (!cells_.has_cell(a)) {
         if (soil_.mask[a] > 0.5) flux[a] = *in_.beds * flux[a];
@@ -305,10 +308,8 @@ class WindowSolver {
         } else {
           // As in pressure_gradient(): a reflection would magnify the error of a particle that lies on the face itself.
           const auto& b = s_.buffers[q - s_.n_particles];
-          const double at_face = in_.face_pressure[b.column];
-          const auto slope = face_slope(s_, b.column, p, at_face);
-          difference =
-              slope ? p[a] - at_face + *slope * b.outside : s_.reflection(a, q) * (p[a] - pressure_at_face(a, b));
+          difference = s_.has_slope(b.column) ? p[a] - in_.face_pressure[b.column] + slopes[b.column] * b.outside
+                                              : s_.reflection(a, q) * (p[a] - pressure_at_face(a, b));
         }
         sum += mobility * side.conductance * difference * side.middle;
       }
@@ -316,6 +317,13 @@ class WindowSolver {
       flux[a] = -own;
       out.gradient[a] = cells_.gradient(own, q_[a].kf);
     });
+  }
+
+  /// Finds the soils of the particles and of the copies.
+  void find_soils() {
+    number_.assign(soil_.number.begin(), soil_.number.end());
+    number_.resize(s_.n_particles);
+    fill_copies(domain_, std::span(number_));
   }
 
   /// Corrects the conduction between points in soil that lie closer in one direction than in others, as behind a border
@@ -326,15 +334,13 @@ class WindowSolver {
   /// deviator of the moment cancels the error, given the mean of e e e e over all directions. S is zero within reach of
   /// another soil or a face: volumes change abruptly there, and buffers stand in rows of their own.
   void even_out_directions() {
-    const auto& number = soil_.number;
-    if (number.empty()) return;
     constexpr double most = pressure::most_stretched;
-    stretch_.assign(n_, Mat<D>::Zero());
+    stretch_.assign(s_.n_particles, Mat<D>::Zero());
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
+      if (number_[a] < 0.0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index q = s_.parent[s_.other[k]];
-        if (q >= n_ || number[q] != number[a]) return;
+        if (q >= s_.n_particles || number_[q] != number_[a]) return;
       }
       const Mat<D> moment = s_.moment(a);
       const double mean = moment.trace() / D;
@@ -343,11 +349,12 @@ class WindowSolver {
       const double size = stretch_[a].norm();
       if (size > most) stretch_[a] *= most / size;
     });
+    fill_copies(domain_, std::span(stretch_));
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0) return;
+      if (number_[a] < 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
-        if (q >= n_ || fluid_.weight[k] == 0.0F) continue;
+        if (q >= s_.n_particles || fluid_.weight[k] == 0.0F) continue;
         set_weight(a, k, static_cast<double>(fluid_.weight[k]) * stretched(a, j, q));
       }
     });
@@ -357,7 +364,7 @@ class WindowSolver {
     const Vec<D> ba = s_.position[j] - s_.position[a];
     const Vec<D> theirs = j < s_.n_base ? ba : Vec<D>(s_.map[j - s_.n_base].transpose() * ba);
     const auto along = [&](std::size_t i, const Vec<D>& r) { return r.dot(stretch_[i] * r); };
-    return 1.0 + 0.5 * (along(a, ba) + (q < n_ ? along(q, theirs) : along(a, ba))) / ba.squaredNorm();
+    return 1.0 + 0.5 * (along(a, ba) + along(q, theirs)) / ba.squaredNorm();
   }
 
   /// Corrects the conduction along borders between soils. The harmonic mean of a pair's mobilities is right across a
@@ -367,28 +374,31 @@ class WindowSolver {
   /// Pairs within each soil are scaled by 1 + s (t^2 - q n^2), with the components n and t of their unit vector across
   /// and along the border. q (`still`) leaves the flux across the border unchanged. s is the mean of both particles'
   /// values, and gives the flux along the border the mobility of the soil itself.
-  void free_along_borders() {
-    const auto& number = soil_.number;
-    if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
+  void free_along_borders(std::span<const double> own_mobility) {
+    const double first = domain_.max(n_ == 0 ? -1.0 : number_[0]);
+    if (domain_.all_of(n_, [&](std::size_t a) { return number_[a] == first; })) return;
     constexpr double still = (D - 1) / 3.0;  // mean of t^2 n^2 over that of n^4
     constexpr double least = -pressure::most_stretched, most = pressure::most_stretched / still;
-    VecArray<D> across(n_, Vec<D>::Zero());
-    ScalarArray lacks(n_, 0.0), scale(n_, 0.0), next(n_, 0.0);
-    const auto within = [&](std::size_t a, Index q) { return q < n_ && number[q] == number[a]; };
+    const auto mobility = s_.with_copies(own_mobility);
+    const std::size_t count = s_.n_particles;
+    VecArray<D> across(count, Vec<D>::Zero());
+    ScalarArray lacks(n_, 0.0), scale(count, 0.0), next(count, 0.0);
+    const auto within = [&](std::size_t a, Index q) { return q < count && number_[q] == number_[a]; };
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0) return;
+      if (number_[a] < 0.0) return;
       Mat<D> missing = Mat<D>::Zero();
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
-        if (q >= n_ || number[q] < 0 || number[q] == number[a] || q_[q].kf == q_[a].kf) continue;
+        if (q >= count || number_[q] < 0.0 || number_[q] == number_[a] || mobility[q] == mobility[a]) continue;
         const Vec<D> ba = s_.position[j] - s_.position[a], w = static_cast<double>(s_.gradient_factor[k]) * ba;
-        across[a] += (q_[q].kf - q_[a].kf) * w;
-        missing += (1.0 - harmonic(1.0, q_[q].kf / q_[a].kf)) * w * ba.transpose();
+        across[a] += (mobility[q] - mobility[a]) * w;
+        missing += (1.0 - harmonic(1.0, mobility[q] / mobility[a])) * w * ba.transpose();
       }
       if (across[a].isZero(0.0)) return;
       across[a].normalize();
       lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
     });
+    fill_copies(domain_, std::span(across));
     // t^2 - q n^2 of a pair at distance ba, with the normal n of the border at one of its particles.
     const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
       const double part = n.dot(ba), square = part * part / ba.squaredNorm();
@@ -412,9 +422,10 @@ class WindowSolver {
         next[a] = own > 0.0 ? std::clamp(0.5 * (scale[a] + (lacks[a] - others) / own), least, most) : 0.0;
       });
       scale = next;
+      fill_copies(domain_, std::span(scale));
     }
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0) return;
+      if (number_[a] < 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
         if (fluid_.weight[k] == 0.0F || q == a || !within(a, q) || (scale[a] == 0.0 && scale[q] == 0.0)) continue;
@@ -560,6 +571,7 @@ class WindowSolver {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
     out.face_carry.assign(count, 0.0);
+    if (count == 0) return;
     for (std::size_t a = 0; s_.n_base > s_.n_particles && a < n_; ++a) {
       if (cells_.has_cell(a)) {
         add_face_flow_of_cell(a, out);
@@ -588,15 +600,15 @@ class WindowSolver {
     }
     VecArray<D> normal(count, Vec<D>::Zero());
     for (const auto& b : s_.buffers) normal[b.column] = b.normal;
-    for (std::size_t c = 0; c < count && c + 1 < s_.fit_offset.size(); ++c) {
-      double sum = 0.0, carried = 0.0;
+    ScalarArray sum(count, 0.0);
+    for (std::size_t c = 0; c < s_.fitted.size(); ++c)
       for (Index k = s_.fit_offset[c]; k < s_.fit_offset[c + 1]; ++k) {
         const Index a = s_.fit_index[k];
-        sum += s_.fit_weight[k];
-        carried += s_.fit_weight[k] * in_.void_fraction[a] / (q_[a].aw + q_[a].C) * normal[c].dot(push(a));
+        sum[c] += s_.fit_weight[k];
+        out.face_carry[c] += s_.fit_weight[k] * in_.void_fraction[a] / (q_[a].aw + q_[a].C) * normal[c].dot(push(a));
       }
-      if (sum > 0.0) out.face_carry[c] = carried / sum;
-    }
+    for (auto* of : {&out.face_flow, &out.face_carry, &sum}) domain_.sum(*of);
+    for (std::size_t c = 0; c < count; ++c) out.face_carry[c] = sum[c] > 0.0 ? out.face_carry[c] / sum[c] : 0.0;
   }
 
   /// Adds the flow through the sides of a cell towards buffers. It is divided among the columns of the same straight
@@ -632,6 +644,7 @@ class WindowSolver {
     if constexpr (D == 2)
       for (std::size_t i = 0; i < in_.sections.size(); ++i) out.section_flow[i] = flow_through(in_.sections[i], out);
   }
+  /// All ranks call this.
   [[nodiscard]] double flow_through(const Section<2>& section, const WindowSolution<D>& out) const {
     const Vec<D> along = section.to - section.from, left(-along[1], along[0]);
     // 1 if the line from x to y crosses the section from right to left, -1 the other way, 0 if it does not cross.
@@ -641,33 +654,36 @@ class WindowSolver {
       const double place = along.dot(x + here / (here - there) * (y - x) - section.from);
       return place < 0.0 || place > along.squaredNorm() ? 0.0 : here < 0.0 ? 1.0 : -1.0;
     };
-    const auto carried = [&](std::size_t a) { return Vec<D>(in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a)); };
+    VecArray<D> by_inertia(n_);
+    parallel_for(n_, [&](std::size_t a) { by_inertia[a] = in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a); });
+    const auto carried = s_.template with_copies<Vec<D>>(by_inertia);
+    const auto pressure = s_.template with_copies<double>(out.pressure);
+    const std::size_t n = s_.n_particles;
     double flow = 0.0;
     for (std::size_t a = 0; a < n_; ++a) {
       const Vec<D>& x = s_.position[a];
       const double reach = cells_.empty() ? 2.0 * sph::support_radius * s_.length(a) : HUGE_VAL;
       if (std::abs(left.dot(x - section.from)) > reach * left.norm()) continue;
-      const Vec<D> own = carried(a);
+      const Vec<D>& own = carried[a];
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         // An image behind a wall stands for its original, to which the flow goes.
         const Index j = s_.other[k], q = s_.parent[j];
-        const double sign = crossed(x, s_.position[q]) * (q < n_ ? 0.5 : 1.0);  // a pair of particles is met twice
+        const double sign = crossed(x, s_.position[q]) * (q < n ? 0.5 : 1.0);  // a pair of particles is met twice
         if (sign == 0.0) continue;
-        const Vec<D> theirs = q >= n_ ? own : j < s_.n_base ? carried(q) : Vec<D>(s_.map[j - s_.n_base] * carried(q));
+        const Vec<D> theirs = q >= n ? own : j < s_.n_base ? carried[q] : Vec<D>(s_.map[j - s_.n_base] * carried[q]);
         flow +=
             sign * s_.volume[a] * s_.gradient_factor[k] * s_.amplified(a, q) * (own + theirs).dot(s_.position[j] - x);
-        if (q < n_ && cells_.empty())
-          flow += sign * static_cast<double>(fluid_.weight[k]) * (out.pressure[a] - out.pressure[q]);
+        if (q < n && cells_.empty()) flow += sign * static_cast<double>(fluid_.weight[k]) * (pressure[a] - pressure[q]);
       }
       for (std::size_t k = fluid_.begin(a); !cells_.empty() && k < fluid_.end(a); ++k)
         flow += 0.5 * crossed(x, s_.position[link_[k]]) * static_cast<double>(fluid_.weight[k]) *
                 (out.pressure[a] - out.pressure[link_[k]]);
       if (s_.beyond[a] == 0 && !cells_.has_cell(a)) continue;
-      for_faces(a, q_[a].kf, [&](Index, double w, double pressure, Index q) {
-        flow += crossed(x, s_.position[q]) * w * (out.pressure[a] - pressure);
+      for_faces(a, q_[a].kf, [&](Index, double w, double at_face, Index q) {
+        flow += crossed(x, s_.position[q]) * w * (pressure[a] - at_face);
       });
     }
-    return flow;
+    return domain_.sum(flow);
   }
 
   /// Distance to the water's surface [m]; 0 if it is out of reach.
@@ -1274,7 +1290,8 @@ class WindowSolver {
   BeddedCells<D> cells_;                      ///< empty where the soil has no beds
   std::vector<Index> link_offset_{0}, link_;  ///< pairs of the matrix where the soil has beds
   PairMatrix fluid_, skeleton_, plain_;
-  MatArray<D> stretch_;  ///< [n] S of even_out_directions
+  ScalarArray number_;   ///< [particles] as SoilView::number; empty where no soil is at rest
+  MatArray<D> stretch_;  ///< [particles] S of even_out_directions
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< pressure at the start; diagonal and right-hand side without
                                                        ///< cavitation
