@@ -90,6 +90,7 @@ template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const double dt = window.interval, end = window.time + dt;
+  const Exchanged<D> exchanged_before = state_.exchanged;
   const double proposed = setup_.is_projection() ? dt : proposal().first;
 
   // The soil as the water sees it, the boundaries, and the first half of the motion.
@@ -182,6 +183,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);
   walls_.place(state_.inlets);
+  if (setup_.coupled) add_up_exchanged(setup_, exchanged_before, state_);
   share_out(setup_, state_.particles);
   state_.time = end;
   state_.last_interval = dt;

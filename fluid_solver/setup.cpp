@@ -60,7 +60,6 @@ void expect_possible_on_ranks(const Case& scene) {
       throw CaseError(
           fmt::format("several ranks cannot share this water yet: {}; {}, or run the case on one rank", what, instead));
   };
-  refuse(scene.coupled(), "[[soil]]: its soil moves", "set solid.model = \"rigid\"");
   refuse(std::ranges::any_of(scene.soils, porous::is_anisotropic), "soil.anisotropy: it has soil in beds",
          "leave the key out");
   refuse(scene.fluid.representation != FluidCase::Representation::particles,

@@ -250,15 +250,16 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
 
 /// Distributes amounts of the real particles [n], in place: each amount among its particle and the real particles
 /// around it, in proportion to the kernel's value times a weight, counts [n]. An amount without any neighbour of
-/// positive weight stays where it is. The sum is conserved.
+/// positive weight stays where it is. The sum is conserved. All ranks call this.
 template <int D>
 void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
+  const auto weights = s.with_copies(counts);
   // Data of a point: weight, smoothing length.
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
-    x[D] = j < s.n_real ? counts[j] : 0.0;
+    x[D] = j < s.n_particles ? weights[j] : 0.0;
     x[D + 1] = s.length(j);
   });
   const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
@@ -285,6 +286,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
         parts[a] = amounts[a] / sum;
         amounts[a].setZero();
       });
+  fill_copies(s.domain, std::span(parts).first(s.n_particles));
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         if (counts[a] == 0.0) return;

@@ -23,6 +23,10 @@ void share_out(const Setup<D>& setup, Particles<D>& p);
 /// this. It holds until the next call.
 template <int D>
 [[nodiscard]] Domain with_halo(const Setup<D>& setup, const Walls<D>& walls, const Particles<D>& p);
+/// The same for what lies within `reach` [m] of a particle or of its images in these planes.
+template <int D>
+[[nodiscard]] Domain with_halo(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes, const Particles<D>& p,
+                               double reach);
 
 /// Adds a particle with these properties (Particles::add) to the whole water. All ranks call this, and one of them
 /// takes the particle.

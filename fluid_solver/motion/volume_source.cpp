@@ -72,11 +72,14 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
   for (auto* values : {&p.unseen_rate, &p.unseen_strain})
     if (!values->is_allocated()) values->allocate(p.size());
   const auto shown = divergence<D>(s, view.mean_velocity.values());
+  std::vector<char> covered(p.size());
+  parallel_for(p.size(), [&](std::size_t a) { covered[a] = view.mask[a] > 0.0 ? 1 : 0; });
+  covered = s.flags_with_copies(covered);
   ScalarArray applied(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
-    bool within = view.mask[a] > 0.0;  // inside only: at the soil's edge the divergence contains the end of the soil
+    bool within = covered[a] != 0;  // inside only: at the soil's edge the divergence contains the end of the soil
     for (Index k = s.offset[a]; k < s.offset[a + 1] && within; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real) within = view.mask[q] > 0.0;
+      if (const Index q = s.parent[s.other[k]]; q < s.n_particles) within = covered[q] != 0;
     const double rate = within ? view.strain_rate[a] - shown[a] : 0.0;
     const double strain = p.unseen_strain[a] + rate * came;
     // Critically damped, in proportion to the window: a short one, cut at an output instant, does not jerk the soil.

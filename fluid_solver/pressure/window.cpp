@@ -102,6 +102,7 @@ class WindowSolver {
       }
       any_response_ = domain_.any(any_response_);
     }
+    if (any_response_) find_moduli();
     find_edge();
     sources_ = make_sources();  // before the matrix: their temporary arrays together with the matrix would need too
                                 // much memory
@@ -119,6 +120,12 @@ class WindowSolver {
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
+  /// Constrained modulus of the skeleton at a particle or copy [Pa]; 0: it does not respond.
+  void find_moduli() {
+    modulus_.assign(s_.n_particles, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) modulus_[a] = r_[a].responds ? r_[a].M : 0.0;
+    fill_copies(domain_, std::span(modulus_));
+  }
   /// What drives the water besides the pressure and the skeleton [N/m3]: its momentum divided by the window's length,
   /// and the explicit part of a quadratic drag.
   [[nodiscard]] Vec<D> push(std::size_t a) const { return q_[a].aw * before(a) + soil_.drag_offset[a]; }
@@ -139,7 +146,7 @@ class WindowSolver {
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
     if (!domain_.any(n_ > 0)) return finish(out);
-    const bool moves = any_response_ || soil_.velocity.is_allocated();
+    const bool moves = any_response_ || domain_.any(soil_.velocity.is_allocated());
     if (!moves) out.solid_velocity = {};
     if (moves && !out.solid_velocity.is_allocated()) out.solid_velocity.allocate(n_);
     if (moves)
@@ -193,7 +200,7 @@ class WindowSolver {
 
   /// Finds the edge of soil under free water.
   void find_edge() {
-    if (!soil_.outside.is_allocated() || !in_.inertia) return;
+    if (!in_.inertia) return;
     edge_ = SoilEdge<D>(
         s_, soil_, [&](std::size_t a) { return q_[a].kf; }, in_.density / in_.interval,
         [&](std::size_t a) { return responds(a); }, [&](std::size_t a) { return soil_.loose[a] != 0 || is_coarse(a); });
@@ -201,7 +208,9 @@ class WindowSolver {
   void conduct_at_edge() {
     edge_.for_pairs([&](std::size_t a, const EdgePair& pair) {
       const double weight = fluid_.weight[pair.k];
-      if (weight != 0.0) set_weight(a, pair.k, weight * pair.mobility() / harmonic(q_[a].kf, q_[s_.parent[pair.j]].kf));
+      if (weight != 0.0)
+        set_weight(a, pair.k,
+                   weight * pair.mobility() / harmonic(edge_.mobility(a), edge_.mobility(s_.parent[pair.j])));
     });
     edge_.for_free_pairs([&](std::size_t a, Index k) {
       if (fluid_.weight[k] != 0.0F) set_weight(a, k, static_cast<double>(fluid_.weight[k]) * edge_.conductance(a, k));
@@ -492,7 +501,7 @@ class WindowSolver {
     fluid_.apply(s_.template with_copies<double>(out.pressure), std::span<double>(row));
     const ScalarArray squeeze = squeezed(out.solid_velocity);
     for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
-    if (any_response_ && (any_cavitating_ || !in_.pressure.empty())) {
+    if (any_response_ && (any_cavitating_ || domain_.any(!in_.pressure.empty()))) {
       ScalarArray change(n_);
       for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
       const ScalarArray held_back = stabilised(change);
@@ -509,7 +518,7 @@ class WindowSolver {
   }
   ScalarArray stabilised(std::span<const double> change, std::span<const Vec<D>> gradient) const {
     ScalarArray result(n_);
-    plain_.apply(change, std::span<double>(result));
+    plain_.apply(s_.template with_copies<double>(change), std::span<double>(result));
     const ScalarArray wide = divergence<D>(s_, gradient);
     for (std::size_t a = 0; a < n_; ++a) result[a] = stabilisation_[a] * (result[a] + s_.volume[a] * wide[a]);
     if (unresolved_.empty()) return result;
@@ -775,7 +784,7 @@ class WindowSolver {
 
   /// Solves for water with rigid soil, free water, or water with a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
-    if (out.solid_velocity.is_allocated()) {
+    if (domain_.any(out.solid_velocity.is_allocated())) {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
       parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
@@ -916,8 +925,8 @@ class WindowSolver {
     ScalarArray preconditioner(n_, 1.0);
     std::vector<StiffPoint> points(s_.size());
     for (std::size_t j = 0; j < s_.size(); ++j)
-      if (const Index b = s_.parent[j]; b < n_ && responds(b))
-        points[j].x = {r_[b].M, s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
+      if (const Index b = s_.parent[j]; b < s_.n_particles && modulus_[b] > 0.0)
+        points[j].x = {modulus_[b], s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
     const bool buffers = s_.n_base > s_.n_particles;
     for_pairs<StiffPoint::Row>(
         s_.rows(), PairInputs{points.data()},
@@ -935,7 +944,7 @@ class WindowSolver {
           pair.for_each([&](Index j, std::size_t k) {
             const Index b = s_.parent[j];
             if (b == a) own.turned += static_cast<double>(image_weight_[k]);
-            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - s_.n_particles].column])
+            if (buffers && b >= s_.n_particles && in_.face_holds[s_.buffers[b - s_.n_particles].column])
               own.held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k]) *
                           s_.amplified(a, b) * s_.reflection(a, b);
           });
@@ -968,7 +977,7 @@ class WindowSolver {
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
     // In a repeated window, stiffness resists only a departure from the last pass's velocity, whose force is known.
-    if (soil_.found_velocity.is_allocated()) {
+    if (domain_.any(soil_.found_velocity.is_allocated())) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a))
@@ -981,11 +990,12 @@ class WindowSolver {
                                 [](double y) { return y <= 0.0; })))
       return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
+    const auto yielding = s_.template with_copies<double>(soil_.plastic_shear_ratio.values());
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         if (image_weight_[k] == 0.0F) continue;
         const Index j = s_.other[k];
-        const double share = 0.5 * (soil_.plastic_shear_ratio[a] + soil_.plastic_shear_ratio[s_.parent[j]]);
+        const double share = 0.5 * (yielding[a] + yielding[s_.parent[j]]);
         if (share > 0.0) flow_[a] += share * static_cast<double>(image_weight_[k]) * (going[a] - going[j]);
       }
   }
@@ -1192,10 +1202,11 @@ class WindowSolver {
   int two_fields(std::span<const double> r, std::span<double> z, double tolerance) const {
     ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
     std::copy(r.begin(), r.end(), b.begin());
+    // The two fields stand one behind the other, so that each fetches its copies here.
     const auto apply = [&](std::span<const double> u, std::span<double> y) {
       between_iterations();
-      fluid_.apply(u.first(n_), y.first(n_));
-      skeleton_.apply(u.last(n_), y.last(n_));
+      fluid_.apply(s_.template with_copies<double>(u.first(n_)), y.first(n_));
+      skeleton_.apply(s_.template with_copies<double>(u.last(n_)), y.last(n_));
       for (std::size_t a = 0; a < n_; ++a) {
         const double t = storage_[a] * (u[a] - u[n_ + a]);
         y[a] += t;
@@ -1222,7 +1233,8 @@ class WindowSolver {
       }
     };
     const double whole = domain_.norm(b);
-    const auto report = reduce_residual(domain_, apply, precondition, std::move(b), x, tolerance * whole, 2000);
+    const auto report =
+        reduce_residual(domain_.of_sums(), apply, precondition, std::move(b), x, tolerance * whole, 2000);
     std::copy(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n_), z.begin());
     return report.iterations;
   }
@@ -1256,8 +1268,7 @@ class WindowSolver {
   void flow_past_edge(WindowSolution<D>& out, VecArray<D>& flux) const {
     VecArray<D> change(n_), followed(n_, Vec<D>::Zero());
     parallel_for(n_, [&](std::size_t a) { change[a] = carried(a) + q_[a].e * out.solid_velocity[a] - flux_before(a); });
-    edge_.add_to_flux(
-        out.pressure, [&](std::size_t a) { return q_[a].kf; }, flux);
+    edge_.add_to_flux(out.pressure, flux);
     edge_.follow(change, followed);
     out.at_edge.assign(n_, 0);
     parallel_for(n_, [&](std::size_t a) {
@@ -1277,6 +1288,7 @@ class WindowSolver {
   Eliminations<D> q_;
   SoilEdge<D> edge_;         ///< empty where no soil lies under free water
   std::vector<Response> r_;  ///< empty if no skeleton responds
+  ScalarArray modulus_;      ///< [particles] Pa, see find_moduli
   std::vector<char> open_;   ///< [n] 1 where a surface or a face is within reach
   /// A body of water whose mean pressure nothing prescribes: its particles on this rank, and their number on all ranks.
   struct ClosedBody {

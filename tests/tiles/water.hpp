@@ -107,8 +107,8 @@ struct Shared : tiles::SharedAndWhole<Fluid<D>, D> {
     for (std::size_t k = 0; k < windows; ++k, ++step) {
       const double dt = std::min(whole.proposal().first, longest), time = whole.state().time;
       EXPECT_NEAR(std::min(part.proposal().first, longest), dt, 1e-6 * dt);
-      whole.advance({step, time, dt}, {});
-      part.advance({step, time, dt}, {});
+      whole.advance({step, time, dt}, this->inbox(whole));
+      part.advance({step, time, dt}, this->inbox(part));
     }
   }
   /// Differences on all ranks. Expects that every particle is on one rank.
