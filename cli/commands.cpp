@@ -238,9 +238,10 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   };
   const auto with_tiles = [](CLI::App* command, int& tiles) {
     command
-        ->add_option("--tiles", tiles,
-                     "number of processes that share the soil or water, each with a tile of space (mpirun; dry soil or "
-                     "water alone)")
+        ->add_option(
+            "--tiles", tiles,
+            "number of processes that share the soil or water, each with a tile of space (mpirun; dry soil, or "
+            "water without soil or in rigid soil)")
         ->type_name("P")
         ->check(CLI::Range(1, 4096).description(""))
         ->capture_default_str();

@@ -90,6 +90,7 @@ template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const double dt = window.interval, end = window.time + dt;
+  const Exchanged<D> exchanged_before = state_.exchanged;
   const double proposed = setup_.is_projection() ? dt : proposal().first;
 
   // The soil as the water sees it, the boundaries, and the first half of the motion.
@@ -100,7 +101,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   if (setup_.coupled) velocity_before = p.velocity;  // kept, since the soil's impulse changes the velocity
   fit_pores(setup_, view, p);
   set_regimes(view, regime, p);
-  set_inlets(setup_, faces_, window.time, dt, state_);
+  set_inlets(setup_, faces_, walls_, window.time, dt, state_);
   advance_boundaries(setup_, faces_, window.time, dt, state_);
   update_columns<D>(faces_.boundaries, state_.faces, end, setup_.weight, setup_.origin, state_.columns);
   push_pistons(0.5 * dt);
@@ -112,7 +113,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   flow_together(setup_, s, p);
   mark_surface<D>(setup_, s, p.row, share_of_rows(setup_, dt), state_);
   if (setup_.coupled && !setup_.computes_beside) apply_returned_impulse(s, view, state_);
-  check_room(state_, window.time);
+  check_room(setup_, state_, window.time);
 
   // The right-hand side and the parameters of the solve.
   auto in = window_problem(setup_, walls_, state_, dt);
@@ -138,8 +139,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   in.deferred_flux = deferred_flux(setup_, state_, view, dt);
   auto besides = catch_up<D>(setup_, view, in.deferred_flux, dt, state_);
   const bool explicit_drag = setup_.scheme == FluidCase::Scheme::eisph_explicit_drag;
-  const bool returns = view.nonlinear() || explicit_drag;  // the drag for the window's initial relative velocity is
-                                                           // needed again after the solve
+  const bool returns =
+      setup_.domain.any(view.nonlinear()) || explicit_drag;  // the drag for the window's initial relative velocity is
+                                                             // needed again after the solve
   const ScalarArray drag = returns ? view.drag : ScalarArray();
   VecArray<D> drag_of_prediction;
   if (explicit_drag) drag_of_prediction = apply_drag(setup_, p, dt, view, forced);
@@ -175,14 +177,13 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   for (std::size_t a = 0; a < evened.size(); ++a) besides[a] += evened[a];
   move<D>(setup_, walls_, s, out, gradient, velocity_before, besides, passage.gained, dt, state_);
   if (!state_.bed.empty()) change_volumes(setup_, passage, state_);
-  follow_soil(view, state_);
-  const double lost = state_.counts.lost;
+  follow_soil(setup_, view, state_);
   give_birth_and_delete(setup_, faces_, view, state_, came);
-  state_.counts.lost = lost + setup_.domain.sum(state_.counts.lost - lost);
   if (!state_.bed.empty()) even_volumes(setup_, walls_, state_);
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);
   walls_.place(state_.inlets);
+  if (setup_.coupled) add_up_exchanged(setup_, exchanged_before, state_);
   share_out(setup_, state_.particles);
   state_.time = end;
   state_.last_interval = dt;

@@ -37,20 +37,21 @@ bool all_quasi_static(const Setup<D>& setup, const Particles<D>& p, const SoilVi
 
 /// Takes a particle out of the seepage regime where most of the water in the soil around it is not in that regime (in
 /// short windows only). Otherwise its gradient would ignore the free surface beside it, while the skeleton there
-/// yields: in a pocket of tailings that run out this made a pressure of 5 MPa in one window.
+/// yields: in a pocket of tailings that run out this made a pressure of 5 MPa in one window. All ranks call this.
 template <int D>
 void flow_together(const Setup<D>& setup, const Stencil<D>& s, Particles<D>& p) {
   const auto in_soil = [&](std::size_t a, bool seeping) {
     return p.mask[a] > 0.5 && (p.in_seepage[a] != 0) == seeping;
   };
-  if (!setup.coupled || parallel_all(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
-  const std::vector<char> alone = p.in_seepage;
+  if (!setup.coupled || !setup.domain.any_of(p.size(), [&](std::size_t a) { return in_soil(a, false); })) return;
+  const std::vector<char> alone = s.flags_with_copies(p.in_seepage);
+  const auto mask = s.template with_copies<double>(p.mask);
   parallel_for(p.size(), [&](std::size_t a) {
     if (!in_soil(a, true)) return;
     double free = 0.0, all = 0.0;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index q = s.parent[s.other[k]];
-      if (q >= p.size() || p.mask[q] <= 0.5) continue;
+      if (q >= s.n_particles || mask[q] <= 0.5) continue;
       const double value = s.value(a, s.other[k]);
       all += value;
       if (alone[q] == 0) free += value;

@@ -60,9 +60,8 @@ void expect_possible_on_ranks(const Case& scene) {
       throw CaseError(
           fmt::format("several ranks cannot share this water yet: {}; {}, or run the case on one rank", what, instead));
   };
-  refuse(!scene.soils.empty(), "[[soil]]: it contains soil", "leave out the soil");
-  for (const WaterFace& face : scene.water_faces)
-    refuse(true, fmt::format("[[water_face]] \"{}\": water passes it", face.name), "let walls bound the water");
+  refuse(std::ranges::any_of(scene.soils, porous::is_anisotropic), "soil.anisotropy: it has soil in beds",
+         "leave the key out");
   refuse(scene.fluid.representation != FluidCase::Representation::particles,
          "fluid.representation is not \"particles\"", "leave the key out");
   refuse(scene.fluid.scheme != FluidCase::Scheme::projection, "fluid.scheme is not \"projection\"",

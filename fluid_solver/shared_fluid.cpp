@@ -5,6 +5,22 @@
 
 namespace poretwin::fluid {
 
+namespace {
+
+const Case& alone(const Case& scene) {
+  if (scene.coupled())
+    throw CaseError(
+        "several ranks cannot share this water yet: [[soil]]: its soil moves; set solid.model = \"rigid\", or run the "
+        "case on one rank");
+  return scene;
+}
+
+}  // namespace
+
+template <int D>
+SharedFluid<D>::SharedFluid(const Case& scene, std::shared_ptr<Tiling<D>> tiling)
+    : ranks::SharedPhase<Fluid<D>, D>(alone(scene), std::move(tiling)) {}
+
 template <int D>
 coupling::Publication SharedFluid<D>::publish() const {
   throw Error(ExitCode::failure, "several ranks cannot take part in a coupled run yet");

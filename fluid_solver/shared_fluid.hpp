@@ -10,7 +10,9 @@ namespace poretwin::fluid {
 template <int D>
 class SharedFluid final : public ranks::SharedPhase<Fluid<D>, D> {
  public:
-  using ranks::SharedPhase<Fluid<D>, D>::SharedPhase;
+  /// Throws CaseError where the water flows in soil that moves: each rank can compute its part, but the other phase's
+  /// fields come for the whole water.
+  SharedFluid(const Case& scene, std::shared_ptr<Tiling<D>> tiling);
   [[nodiscard]] coupling::Publication publish() const override;
   void initialise(const coupling::Inbox& inbox) override {
     this->collected_ = false;

@@ -16,6 +16,7 @@ namespace poretwin::fluid {
 /// Checkpoints hold the water of all ranks, so that nothing of it is stored.
 struct RankShare {
   std::vector<GlobalId> ids;  ///< of this rank's particles, ascending; empty where one rank has all
+  GlobalId next = 0;          ///< id of the particle that is born next
   void archive(Archive&) {}
 };
 

@@ -35,6 +35,8 @@ class Domain {
 
   /// Whether one rank owns all particles, so that there are no copies.
   [[nodiscard]] bool alone() const { return ranks_ == nullptr; }
+  /// The same ranks, for sums only: it exchanges nothing.
+  [[nodiscard]] Domain of_sums() const { return ranks_ ? Domain(*ranks_, no_particles, 0) : Domain(); }
   /// Number of the halo's particles.
   [[nodiscard]] std::size_t copies() const { return halo_; }
 
@@ -44,7 +46,7 @@ class Domain {
   [[nodiscard]] std::size_t with_halo(std::size_t n) const { return n + halo_ * each(n); }
   /// Fills the halo's numbers in an array of owned and halo particles, with `each` numbers per particle.
   void exchange(std::span<double> values, std::size_t each) const {
-    if (ranks_) ranks_->exchange(values, each);
+    if (ranks_ && owned_ != no_particles) ranks_->exchange(values, each);
   }
 
   /// Sums of this rank's values over all ranks, in place.
@@ -60,6 +62,10 @@ class Domain {
     return own;
   }
   [[nodiscard]] double min(double own) const { return -max(-own); }
+  /// Maxima of this rank's values over all ranks, in place.
+  void max(std::span<double> values) const {
+    if (ranks_) ranks_->max(values);
+  }
   /// Whether a condition holds on all ranks, or on any rank.
   [[nodiscard]] bool all(bool own) const { return ranks_ ? min(own ? 1.0 : 0.0) > 0.0 : own; }
   [[nodiscard]] bool any(bool own) const { return ranks_ ? max(own ? 1.0 : 0.0) > 0.0 : own; }
@@ -90,6 +96,7 @@ class Domain {
   [[nodiscard]] double norm(std::span<const double> a) const { return std::sqrt(dot(a, a)); }
 
  private:
+  static constexpr std::size_t no_particles = static_cast<std::size_t>(-1);
   const Ranks* ranks_ = nullptr;  ///< null: there is one rank
   std::size_t owned_ = 0, halo_ = 0;
 };

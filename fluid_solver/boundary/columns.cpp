@@ -2,6 +2,7 @@
 
 #include "common/geometry/shapes.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/discretisation/ranks.hpp"
 #include "fluid_solver/motion/advection.hpp"
 #include "fluid_solver/motion/volume_source.hpp"
 
@@ -147,8 +148,32 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     widest = std::max(widest, 2.0 * points::smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
   typename sph::Sight<D>::Near near;
-  ScalarArray handed(state.columns.size(), 0.0);  // m, motion of each stack by the flow through other columns
-  for (std::size_t i = 0; i < state.columns.size(); ++i) {
+  const std::size_t count_of_columns = state.columns.size();
+  ScalarArray seen(count_of_columns, 0.0), speeds(count_of_columns, 0.0);  // sums of V W, and of V W times the speed
+  for (std::size_t i = 0; i < count_of_columns; ++i) {
+    const auto& c = state.columns[i];
+    if (!c.wet) continue;
+    const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
+    const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
+    // Where two soils adjoin, only the water of a column's own soil moves it.
+    const Stratum* here = setup.ground.strata().size() > 1 && !setup.coupled ? setup.ground.at(probe) : nullptr;
+    if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near);
+    grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
+      if (c.in_soil && is_free(state.particles, a)) return;
+      if (!near.empty() && !sight.open(probe, p.position[a], near)) return;
+      if (const Stratum* there = here ? setup.ground.at(p.position[a]) : nullptr; there != here && there) return;
+      const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
+      seen[i] += w;
+      const double spacing = spacing_of<D>(p.volume[a]);
+      const double loose = -motion[a] * 0.5 * packing_error<D>(setup, state.particles, s, a, s.fullness[a]) * spacing /
+                           repair_time<D>(setup, state.particles, a, view, interval);
+      speeds[i] += w * (c.normal.dot(p.velocity[a]) + loose);
+    });
+  }
+  for (auto* sums : {&seen, &speeds}) setup.domain.sum(*sums);
+  const ScalarArray slopes = face_slopes<D>(s, p.pressure, [&](Index i) { return state.columns[i].pressure; });
+  ScalarArray handed(count_of_columns, 0.0);  // m, motion of each stack by the flow through other columns
+  for (std::size_t i = 0; i < count_of_columns; ++i) {
     auto& c = state.columns[i];
     const double speed_before = c.speed;
     // Counts the change of a column that becomes wet or dry because a head reaches or leaves it.
@@ -159,25 +184,8 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     c.speed = 0.0;
     c.slope = 0.0;
     if (!c.wet || (c.handed_to >= 0 && !keeper(state, c).wet)) continue;
-    c.slope = face_slope(s, static_cast<Index>(i), p.pressure, c.pressure).value_or(0.0);
-    const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
-    const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
-    double sum = 0.0, speed = 0.0;
-    // Where two soils adjoin, only the water of a column's own soil moves it.
-    const Stratum* here = setup.ground.strata().size() > 1 && !setup.coupled ? setup.ground.at(probe) : nullptr;
-    if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near);
-    grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
-      if (c.in_soil && is_free(state.particles, a)) return;
-      if (!near.empty() && !sight.open(probe, p.position[a], near)) return;
-      if (const Stratum* there = here ? setup.ground.at(p.position[a]) : nullptr; there != here && there) return;
-      const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
-      sum += w;
-      const double spacing = spacing_of<D>(p.volume[a]);
-      const double loose = -motion[a] * 0.5 * packing_error<D>(setup, state.particles, s, a, s.fullness[a]) * spacing /
-                           repair_time<D>(setup, state.particles, a, view, interval);
-      speed += w * (c.normal.dot(p.velocity[a]) + loose);
-    });
-    if (sum < faces::least_seen) {
+    c.slope = s.has_slope(static_cast<Index>(i)) ? slopes[i] : 0.0;
+    if (seen[i] < faces::least_seen) {
       if (c.handed_to >= 0) continue;  // the front enters from that other column
       const double before = c.offset;
       wet_dry_ground<D>(setup, c, interval);
@@ -187,7 +195,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     }
     const double area = c.volume / c.spacing;
     const double solved = (solution.face_carry[i] + solution.face_flow[i] / area) / c.void_fraction;
-    c.speed = flow_is_solved_for<D>(setup, state, c) && std::isfinite(solved) ? solved : speed / sum;
+    c.speed = flow_is_solved_for<D>(setup, state, c) && std::isfinite(solved) ? solved : speeds[i] / seen[i];
     const double advance =
         interval * (c.speed + (c.in_soil ? look_ahead(state.last_interval, interval) * (c.speed - speed_before) : 0.0));
     if (c.handed_to < 0)
@@ -196,7 +204,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
       handed[static_cast<std::size_t>(c.handed_to)] += advance * per_length(c) / per_length(keeper(state, c));
     if (flow_is_solved_for<D>(setup, state, c)) count<D>(c, came, c.mass / setup.density * advance / c.spacing);
   }
-  for (std::size_t i = 0; i < state.columns.size(); ++i) state.columns[i].offset += handed[i];
+  for (std::size_t i = 0; i < count_of_columns; ++i) state.columns[i].offset += handed[i];
 }
 
 /// Returns k/n times the driving head [m2/s], and k/n times the cosine between gravity and the inward normal [m/s].
@@ -245,10 +253,10 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) 
 
 /// Water that the soil has left behind belongs to the reservoir: the column moves back to where soil is.
 template <int D>
-void follow_soil(const SoilView<D>& view, State<D>& state) {
+void follow_soil(const Setup<D>& setup, const SoilView<D>& view, State<D>& state) {
   const auto& p = state.particles;
   const ColumnFinder<D> finder(state.columns);
-  std::vector<double> step(state.columns.size(), 0.0);
+  ScalarArray step(state.columns.size(), 0.0);
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (p.goes_with_soil[a] == 0 || view.coverage[a] >= faces::left_by_soil) continue;
     const int i = finder.nearest(p.position[a]);
@@ -258,6 +266,7 @@ void follow_soil(const SoilView<D>& view, State<D>& state) {
     step[static_cast<std::size_t>(i)] =
         std::max(step[static_cast<std::size_t>(i)], c.inside(p.position[a]) + 0.5 * c.spacing);
   }
+  if (setup.coupled) setup.domain.max(step);
   for (std::size_t i = 0; i < step.size(); ++i) {
     auto& c = state.columns[i];
     if (step[i] <= 0.0) continue;
@@ -300,32 +309,65 @@ std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& fa
   return still;
 }
 
+namespace {
+
+/// What a particle that is deleted changes outside, as the numbers that all ranks receive: its id; the index of its
+/// column or, below zero, -1 less that of the face whose still water takes it in; its mass [kg]; its distance inside
+/// the column's face [m].
+enum Departure { departed_id, departed_to, departed_mass, departed_inside, n_departure };
+
+/// Applies the departures of all ranks, in the order in which one rank would: the last particle that passes a column
+/// determines where its stack stands.
+template <int D>
+void let_go(const Setup<D>& setup, std::span<const std::array<double, n_departure>> departures, State<D>& state,
+            ScalarArray& crossed) {
+  for (const auto& departure : departures) {
+    const double volume = departure[departed_mass] / setup.density;
+    if (departure[departed_to] < 0.0) {
+      state.faces[static_cast<std::size_t>(-1.0 - departure[departed_to])].taken += volume;
+      state.balance.out += volume;
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(departure[departed_to]);
+    auto& c = state.columns[i];
+    if (flow_is_solved_for<D>(setup, state, c) && c.wet) {
+      auto& stack = keeper(state, c);
+      stack.offset += departure[departed_mass] / per_length(stack);
+      continue;
+    }
+    crossed[i] -= volume;
+    if (c.handed_to < 0) c.offset = std::clamp(departure[departed_inside] + c.spacing, 0.0, 0.999 * c.spacing);
+  }
+}
+
+}  // namespace
+
 template <int D>
 void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view, State<D>& state,
                            ScalarArray& came) {
   auto& p = state.particles;
   const ColumnFinder<D> finder(state.columns);
   std::vector<bool> keep(p.size(), true);
-  bool any = false;
-  ScalarArray crossed(state.columns.size(), 0.0);  // volume of particles that cross each column inwards
+  double lost = 0.0;
+  std::vector<std::array<double, n_departure>> departures;
   std::vector<int> nearest(p.size());
   parallel_for(p.size(), [&](std::size_t a) { nearest[a] = finder.nearest(p.position[a]); });
   for (std::size_t a = 0; a < p.size(); ++a) {
+    const auto depart = [&](double to, double inside) {
+      keep[a] = false;
+      departures.push_back({static_cast<double>(id_of(p, a)), to, p.mass[a], inside});
+    };
     // Deletes water far outside, if no faster than after a fall: faster water has diverged and is reported.
     if (((p.position[a] - setup.lower).array() < 0.0 || (setup.upper - p.position[a]).array() < 0.0).any() &&
         p.velocity[a].squaredNorm() <= 4.0 * setup.weight.norm() / setup.density * (setup.upper - setup.lower).norm()) {
       keep[a] = false;
-      any = true;
-      ++state.counts.lost;
+      ++lost;
       continue;
     }
     const bool left = p.goes_with_soil[a] != 0 && view.coverage[a] < faces::left_by_soil;
     const bool free = is_free(state.particles, a);
     if (const int f = free ? faces.taker(setup, state, p.position[a]) : -1; f >= 0) {
-      keep[a] = false;
-      any = true;
-      state.faces[static_cast<std::size_t>(f)].taken += p.mass[a] / setup.density;
-      state.balance.out += p.mass[a] / setup.density;
+      depart(-1.0 - f, 0.0);
       continue;
     }
     int i = nearest[a];
@@ -337,7 +379,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
                                             }) -
                            state.columns.begin());
     if (i < 0) continue;
-    auto& c = state.columns[static_cast<std::size_t>(i)];
+    const auto& c = state.columns[static_cast<std::size_t>(i)];
     // Free water that runs down a face of soil joins the still water behind the face; it does not pass the face.
     if (free && c.in_soil && faces.is_reservoir(c.face)) continue;
     const double d = c.inside(p.position[a]);
@@ -349,21 +391,13 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
     if (p.goes_with_soil[a] == 0 && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -setup.weight.dot(p.position[a] - setup.origin));
     if (!passed && !left) continue;
-    if (flow_is_solved_for<D>(setup, state, c) && c.wet) {
-      // It is deleted once the flow through the column has taken out its volume (below). If it is far outside already,
-      // its volume is returned to the column.
-      if (d > -c.spacing) continue;
-      keep[a] = false;
-      any = true;
-      auto& stack = keeper(state, c);
-      stack.offset += p.mass[a] / per_length(stack);
-      continue;
-    }
-    keep[a] = false;
-    any = true;
-    crossed[static_cast<std::size_t>(i)] -= p.mass[a] / setup.density;
-    if (c.handed_to < 0) c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
+    // Where the flow through the column is solved for, the particle is deleted once this flow has taken out its volume
+    // (below). If it is far outside already, its volume is returned to the column.
+    if (flow_is_solved_for<D>(setup, state, c) && c.wet && d > -c.spacing) continue;
+    depart(i, d);
   }
+  ScalarArray crossed(state.columns.size(), 0.0);  // volume of particles that cross each column inwards
+  let_go<D>(setup, from_all_ranks(setup, std::move(departures)), state, crossed);
   // The flow takes out the outermost particle of a column, wherever this stands in the first spacing. Beside a wall at
   // which the face ends the velocity is unbounded, and particles are slower than the flow: a column without a particle
   // there takes one of its neighbour's. Distances are measured from half a spacing outside, since rows may be that far
@@ -381,23 +415,29 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
       found = a;
       nearest_yet = distance;
     }
-    if (found == p.size()) continue;
-    keep[found] = false;
-    any = true;
-    c.offset += c.spacing * p.mass[found] / c.mass;
+    std::vector<std::array<double, 3>> outermost;  // distance, id, mass
+    if (found != p.size()) outermost.push_back({nearest_yet, static_cast<double>(id_of(p, found)), p.mass[found]});
+    outermost = from_all_ranks(setup, std::move(outermost));
+    if (outermost.empty()) continue;
+    const auto& [distance, id, mass] = outermost.front();
+    if (found != p.size() && static_cast<double>(id_of(p, found)) == id) keep[found] = false;
+    c.offset += c.spacing * mass / c.mass;
   }
-  if (any) {
-    const std::size_t had = p.size();
-    p.filter(keep);
-    state.counts.deleted += static_cast<double>(had - p.size());
-  }
+  const std::size_t had = p.size();
+  if (std::ranges::find(keep, false) != keep.end()) p.filter(keep);
+  std::array<double, 2> counts{lost, static_cast<double>(had - p.size())};
+  setup.domain.sum(counts);
+  state.counts.lost += counts[0];
+  state.counts.deleted += counts[1];
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     auto& c = state.columns[i];
     while (c.wet && c.offset >= c.spacing) {  // more than once where volumes were returned
       c.offset -= c.spacing;
       const bool rigid = c.in_soil && !setup.coupled;
-      p.add(rigid ? behind_face<D>(setup.ground, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
-            c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset, c.provenance);
+      add_particle(
+          setup, p,
+          rigid ? behind_face<D>(setup.ground, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
+          Vec<D>(c.speed * c.normal), c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset, c.provenance);
       crossed[i] += c.mass / setup.density;
       ++state.counts.born;
     }
@@ -419,7 +459,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
                                 const SoilView<D>& view, const WindowSolution<D>& solution, double interval,   \
                                 State<D>& state, ScalarArray& came);                                           \
   template void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s);                    \
-  template void follow_soil(const SoilView<D>& view, State<D>& state);                                         \
+  template void follow_soil(const Setup<D>& setup, const SoilView<D>& view, State<D>& state);                  \
   template void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view,   \
                                       State<D>& state, ScalarArray& came);                                     \
   template double missing_water(const Setup<D>& setup, const State<D>& state);                                 \

@@ -9,7 +9,8 @@
 
 namespace poretwin::fluid {
 
-/// The properties of the water's faces that stay constant during a run.
+/// The properties of the water's faces that stay constant during a run. Where several ranks share the water, each has
+/// all faces, with all their columns in the same state: what changes them is known to all ranks.
 template <int D>
 struct Faces {
   Faces(const Case& scene, WaterBoundaries what_stands_behind, const State<D>& first);
@@ -79,7 +80,7 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s);
 
 /// Moves faces of a prescribed head with the soil's surface as it recedes.
 template <int D>
-void follow_soil(const SoilView<D>& view, State<D>& state);
+void follow_soil(const Setup<D>& setup, const SoilView<D>& view, State<D>& state);
 
 /// Adds particles that enter and deletes those that have left.
 /// came (one per face): sums the volume that enters, m^D.

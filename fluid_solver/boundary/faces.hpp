@@ -370,24 +370,27 @@ bool sees(const sph::Sight<D>& sight, const Stencil<D>& s, const Vec<D>& x, Inde
 ///
 /// Below a load, before any drainage, the grains carry the whole drop of an even pressure at the face. There the slope
 /// of the first row alone is mixed in until the gradients sum to that drop (with the fit alone they sum to 0.86 of it).
-/// free [n]: 1 for particles in no soil, which are ignored at a face of soil.
+/// free [n]: 1 for particles in no soil, which are ignored at a face of soil. All ranks call this.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s,
                  const sph::Sight<D>& sight = {}) {
   typename sph::Sight<D>::Near near_by;
   s.fit_offset.assign(1, 0);
   s.fit_constant.clear();
+  s.fitted.clear();
   if (columns.empty()) return;
   sph::CellGrid<D> grid;
   double widest = 0.0;
   for (const auto& c : columns)
     widest = std::max(widest, sph::support_radius * faces::fit_length * spacing_of<D>(c.volume));
   grid.build(s.position, widest);
-  ScalarArray first;  // weights of the first row alone
-  for (const auto& c : columns) {
-    const std::size_t begin = s.fit_index.size();
-    double sum = 0.0, least = 0.0, whole = 0.0, first_sum = 0.0, first_whole = 0.0;
-    first.clear();
+  // Sums over the particles inside: of the weights times the distance from the face and its square, for all rows and
+  // for the first alone; the least sum of squares; and how many particles there are.
+  enum { sum, whole, first_sum, first_whole, least, count, n_sums };
+  ScalarArray sums(columns.size() * n_sums, 0.0), first;  // first: the weights of the first row alone
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto& c = columns[i];
+    double* const of = sums.data() + i * n_sums;
     if (c.wet) {
       const double h = faces::fit_length * spacing_of<D>(c.volume);
       const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
@@ -401,30 +404,37 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
         const double near = w * std::max(0.0, 1.0 - d / c.spacing);
-        sum += w * d * d;
-        whole += w * d;
-        first_sum += near * d * d;
-        first_whole += near * d;
-        least += w * faces::least_fitted * c.spacing * c.spacing;
+        of[sum] += w * d * d;
+        of[whole] += w * d;
+        of[first_sum] += near * d * d;
+        of[first_whole] += near * d;
+        of[least] += w * faces::least_fitted * c.spacing * c.spacing;
+        of[count] += 1.0;
         s.fit_index.push_back(a);
         s.fit_weight.push_back(w * d);
         first.push_back(near * d);
       });
     }
-    const double total = std::max(sum, least);
+    s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
+  }
+  s.domain.sum(sums);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto& c = columns[i];
+    const double* const of = sums.data() + i * n_sums;
+    const double total = std::max(of[sum], of[least]);
     double share = 0.0;
-    if (c.loaded && sum >= least && first_sum > 0.0) {
+    if (c.loaded && of[sum] >= of[least] && of[first_sum] > 0.0) {
       // Slopes for an even pressure of 1: that of the fit, that of the first row, and the required one.
-      const double fitted = whole / sum, steepest = first_whole / first_sum;
+      const double fitted = of[whole] / of[sum], steepest = of[first_whole] / of[first_sum];
       const double wanted = 1.0 / (c.spacing * (0.5 + length_of_even_fall<D>()) - c.offset);
       if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);
     }
-    for (std::size_t k = begin; k < s.fit_index.size(); ++k) {
+    for (std::size_t k = s.fit_offset[i]; k < s.fit_offset[i + 1]; ++k) {
       s.fit_weight[k] /= total;
-      if (share > 0.0) s.fit_weight[k] += share * (first[k - begin] / first_sum - s.fit_weight[k]);
+      if (share > 0.0) s.fit_weight[k] += share * (first[k] / of[first_sum] - s.fit_weight[k]);
     }
-    s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
-    s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
+    s.fit_constant.push_back(total > 0.0 ? (1.0 - of[sum] / total) * c.slope : 0.0);
+    s.fitted.push_back(of[count] > 0.0 ? 1 : 0);
   }
 }
 

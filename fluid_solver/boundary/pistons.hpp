@@ -8,11 +8,12 @@ namespace poretwin::fluid {
 /// Sets the inlets' speeds for the window that begins. The levels in front of the inlets are those of the free water's
 /// surface nearby.
 template <int D>
-void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, State<D>& state);
+void set_inlets(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, double time, double interval,
+                State<D>& state);
 
 /// Throws DivergedError where water flows in although the whole domain is full of water.
 template <int D>
-void check_room(const State<D>& state, double time);
+void check_room(const Setup<D>& setup, const State<D>& state, double time);
 
 /// Moves the pistons by their speed over an interval [s].
 template <int D>

@@ -1,6 +1,7 @@
 // Bodies of water: particles that touch one another, directly or through others.
 #pragma once
 
+#include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/state.hpp"
 
 #include <span>
@@ -13,18 +14,43 @@ namespace poretwin::fluid {
 template <int D>
 std::vector<int> bodies_of(std::span<const Vec<D>> x, std::span<const char> counts, double spacing);
 
-/// As above, for all real particles of a stencil. Particles touch where they are in each other's rows.
+/// The number of each real particle's body of water, from 0, and the number of bodies. Particles touch where they are
+/// in each other's rows. All ranks call this; a body that lies on several of them has one number. ids [real]: of the
+/// particles, where several ranks share the water.
+struct NumberedBodies {
+  std::vector<int> of;
+  std::size_t count = 0;
+};
 template <int D>
-std::vector<int> bodies_of(const Stencil<D>& s);
+NumberedBodies bodies_of(const Stencil<D>& s, std::span<const GlobalId> ids);
+
+/// The extent of a body of water.
+template <int D>
+struct Extent {
+  double top = -HUGE_VAL, bottom = HUGE_VAL;  ///< m, against gravity, of its particles' cells
+  double farthest = 0.0;                      ///< m, distance of a particle from the origin
+  Vec<D> lower = Vec<D>::Constant(HUGE_VAL), upper = Vec<D>::Constant(-HUGE_VAL);  ///< m, of its particles
+};
+
+/// The bodies of the particles that count, as in bodies_of, and the whole extent of each, on whichever ranks it lies.
+/// All ranks call this.
+template <int D>
+struct MeasuredBodies {
+  std::vector<int> of;
+  std::vector<Extent<D>> extent;
+};
+template <int D>
+MeasuredBodies<D> measured_bodies(const Setup<D>& setup, const Walls<D>& walls, const Particles<D>& p,
+                                  std::span<const char> counts);
 
 /// Raises the wave speed of each particle to that of long waves on its body of water, sqrt(g depth), or of a drop in
-/// the central force. body: from bodies_of.
+/// the central force.
 template <int D>
-void raise_wave_speeds(const Setup<D>& setup, std::span<const int> body, Particles<D>& p);
+void raise_wave_speeds(const Setup<D>& setup, const MeasuredBodies<D>& bodies, Particles<D>& p);
 
 /// Sets the properties that particles and columns keep from the body of water in which they begin: the speed of its
 /// waves, and whether it goes with the soil. A body goes with the soil if all of it lies in soil that can leave its
-/// place and a face lies on that soil.
+/// place and a face lies on that soil. Every rank has all water.
 template <int D>
 void begin_bodies(const Setup<D>& setup, State<D>& state);
 

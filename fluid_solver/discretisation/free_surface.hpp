@@ -98,6 +98,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     s.on_surface.assign(s.size(), 0);
     return flags;
   }
+  const std::vector<char> seeps = s.flags_with_copies(in_seepage);
   const auto umbrella = [&](std::size_t a) {
     const double h = s.length(a);
     const Vec<D> n = -s.normal[a].normalized();
@@ -115,7 +116,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index q = s.parent[s.other[k]];
-      if (s.at_face[a] && (q >= s.n_real || in_seepage[q] != 0)) continue;
+      if (s.at_face[a] && (q >= s.n_particles || seeps[q] != 0)) continue;
       const Vec<D> d = s.position[s.other[k]] - s.position[a];
       if (d.dot(n) > surface::narrow_cone * d.norm()) return true;
     }
@@ -179,7 +180,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
   // water are not changed.
   const auto seeps_all_around = [&](std::size_t a) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real && in_seepage[q] == 0) return false;
+      if (const Index q = s.parent[s.other[k]]; q < s.n_particles && seeps[q] == 0) return false;
     return true;
   };
   std::vector<char> near(s.n_real);

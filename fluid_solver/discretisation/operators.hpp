@@ -47,15 +47,22 @@ inline double harmonic(double a, double b) {
   return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
 }
 
-/// Slope of a pressure along a face column's normal [Pa/m]; empty where the ground inside is dry.
-template <int D>
-std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<const double> p, double face_pressure,
-                                 bool increment = false) {
-  if (column + 1 >= s.fit_offset.size() || s.fit_offset[column] == s.fit_offset[column + 1]) return std::nullopt;
-  double slope = increment ? 0.0 : s.fit_constant[column];
-  for (Index k = s.fit_offset[column]; k < s.fit_offset[column + 1]; ++k)
-    slope += s.fit_weight[k] * (p[s.fit_index[k]] - face_pressure);
-  return slope;
+/// Slopes of a pressure along the face columns' normals [Pa/m], 0 where the ground inside is dry; all ranks call this.
+/// face_pressure(column): as in pressure_gradient.
+template <int D, class Face>
+ScalarArray face_slopes(const Stencil<D>& s, std::span<const double> p, const Face& face_pressure,
+                        bool increment = false) {
+  ScalarArray slopes(s.fitted.size(), 0.0);
+  if (slopes.empty()) return slopes;
+  const bool alone = s.domain.alone();
+  if (alone && !increment) slopes = s.fit_constant;
+  for (Index c = 0; c < slopes.size(); ++c)
+    for (Index k = s.fit_offset[c]; k < s.fit_offset[c + 1]; ++k)
+      slopes[c] += s.fit_weight[k] * (p[s.fit_index[k]] - face_pressure(c));
+  if (alone) return slopes;
+  s.domain.sum(slopes);
+  for (std::size_t c = 0; !increment && c < slopes.size(); ++c) slopes[c] += s.fit_constant[c];
+  return slopes;
 }
 
 /// Data of a point that pair loops use, packed: its position and n_values numbers, padded to a multiple of `step`.
@@ -107,15 +114,15 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
                               SurfacePressure&& surface_pressure, bool increment = false) {
   // Pressures of the buffers. A reflection for each particle, as in the Laplacian, would magnify the error of a
   // particle that lies on the face itself.
+  const ScalarArray slopes = face_slopes(s, p, face_pressure, increment);
   ScalarArray buffer(s.n_base - s.n_particles);
   std::vector<bool> fitted(buffer.size());
   bool all_fitted = true;
   for (std::size_t i = 0; i < buffer.size(); ++i) {
-    const double at_face = face_pressure(s.buffers[i].column);
-    const auto slope = face_slope(s, s.buffers[i].column, p, at_face, increment);
-    fitted[i] = slope.has_value();
+    const Index column = s.buffers[i].column;
+    fitted[i] = s.has_slope(column);
     all_fitted = all_fitted && fitted[i];
-    buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
+    buffer[i] = face_pressure(column) - (fitted[i] ? slopes[column] : 0.0) * s.buffers[i].outside;
   }
   // A buffer takes the mobility of the particle whose row is summed; a zero stands for this.
   const auto pressure = s.with_copies(p);
@@ -159,21 +166,22 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   return result;
 }
 
-/// Scales the flux along interfaces between soils. The harmonic mean of a pair's mobilities is right across an
-/// interface. Along the interface it slows the water of the more permeable soil and accelerates that of the other soil.
-/// The part of the flux along the interface should follow each particle's own mobility, and so is scaled by this
-/// mobility over the pairs' mean. flux: from pressure_gradient with the same mobility. in_soil [n]: above one half in
-/// soil; other particles do not change.
+/// Scales the flux along interfaces between soils; all ranks call this. The harmonic mean of a pair's mobilities is
+/// right across an interface. Along the interface it slows the water of the more permeable soil and accelerates that of
+/// the other soil. The part of the flux along the interface should follow each particle's own mobility, and so is
+/// scaled by this mobility over the pairs' mean. flux: from pressure_gradient with the same mobility. in_soil [n]:
+/// above one half in soil; other particles do not change.
 template <int D>
 void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
                            std::span<Vec<D>> flux) {
+  const auto mobilities = s.with_copies(mobility), covered = s.with_copies(in_soil);
   parallel_for(s.n_real, [&](std::size_t a) {
     if (in_soil[a] <= 0.5) return;
     Vec<D> change = Vec<D>::Zero();
     Mat<D> plain = Mat<D>::Zero(), weighted = Mat<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
-      const double theirs = q < s.n_real && in_soil[q] > 0.5 ? mobility[q] : mobility[a];
+      const double theirs = q < s.n_particles && covered[q] > 0.5 ? mobilities[q] : mobility[a];
       const Vec<D> ba = s.position[j] - s.position[a], w = static_cast<double>(s.gradient_factor[k]) * ba;
       change += (theirs - mobility[a]) * w;
       plain += w * ba.transpose();
@@ -242,15 +250,16 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
 
 /// Distributes amounts of the real particles [n], in place: each amount among its particle and the real particles
 /// around it, in proportion to the kernel's value times a weight, counts [n]. An amount without any neighbour of
-/// positive weight stays where it is. The sum is conserved.
+/// positive weight stays where it is. The sum is conserved. All ranks call this.
 template <int D>
 void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
+  const auto weights = s.with_copies(counts);
   // Data of a point: weight, smoothing length.
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
-    x[D] = j < s.n_real ? counts[j] : 0.0;
+    x[D] = j < s.n_particles ? weights[j] : 0.0;
     x[D + 1] = s.length(j);
   });
   const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
@@ -277,6 +286,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
         parts[a] = amounts[a] / sum;
         amounts[a].setZero();
       });
+  fill_copies(s.domain, std::span(parts).first(s.n_particles));
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         if (counts[a] == 0.0) return;

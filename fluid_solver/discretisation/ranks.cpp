@@ -31,6 +31,7 @@ void begin_with_share(const Setup<D>& setup, Particles<D>& p) {
   std::vector<Index> own;
   for (std::size_t a = 0; a < p.size(); ++a)
     if (setup.tiling->begins_with(a)) own.push_back(static_cast<Index>(a));
+  p.share.next = p.size();
   arrays_of(setup, p).reorder(own);
   p.share.ids.assign(own.begin(), own.end());
   share_out(setup, p);
@@ -45,8 +46,14 @@ template <int D>
 Domain with_halo(const Setup<D>& setup, const Walls<D>& walls, const Particles<D>& p) {
   if (!setup.tiling) return setup.domain;
   const double largest = setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) { return p.volume[a]; });
-  const double reach = sph::support_radius * points::smoothing_ratio * spacing_of<D>(largest);
-  const auto views = sph::places_that_see_images<D>(walls.planes, reach, p.position);
+  return with_halo<D>(setup, walls.planes, p, sph::support_radius * points::smoothing_ratio * spacing_of<D>(largest));
+}
+
+template <int D>
+Domain with_halo(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes, const Particles<D>& p,
+                 double reach) {
+  if (!setup.tiling) return setup.domain;
+  const auto views = sph::places_that_see_images<D>(planes, reach, p.position);
   const std::size_t copies = setup.tiling->find_copies(p.position, p.share.ids, reach, views);
   return {setup.tiling->ranks(), p.size(), copies};
 }
@@ -61,10 +68,11 @@ State<D> collected(const Setup<D>& setup, const State<D>& state) {
   return whole;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                     \
-  template void begin_with_share(const Setup<D>&, Particles<D>&);                   \
-  template void share_out(const Setup<D>&, Particles<D>&);                          \
-  template Domain with_halo(const Setup<D>&, const Walls<D>&, const Particles<D>&); \
+#define PORETWIN_INSTANTIATE(D)                                                                                 \
+  template void begin_with_share(const Setup<D>&, Particles<D>&);                                               \
+  template void share_out(const Setup<D>&, Particles<D>&);                                                      \
+  template Domain with_halo(const Setup<D>&, const Walls<D>&, const Particles<D>&);                             \
+  template Domain with_halo(const Setup<D>&, std::span<const sph::ImagePlane<D>>, const Particles<D>&, double); \
   template State<D> collected(const Setup<D>&, const State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -170,11 +170,12 @@ struct Stencil {
   std::vector<Buffer<D>> buffers;         ///< [base - particles]
 
   /// Slope of the pressure at each face column: that of a straight line through the face's pressure, fitted to the
-  /// particles inside. slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]). The
-  /// range is empty where the ground is dry.
+  /// particles inside. slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]) of all
+  /// ranks (face_slopes).
   std::vector<Index> fit_offset{0}, fit_index;
   ScalarArray fit_weight;    ///< 1/m
   ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, but not to that of an increment
+  std::vector<char> fitted;  ///< [columns] 1 where there are such particles; 0: the ground is dry
 
   /// The pairs of real particle a are entries offset[a] .. offset[a + 1]. Their number is a multiple of four: they are
   /// padded with a itself, whose terms are zero.
@@ -236,6 +237,16 @@ struct Stencil {
   [[nodiscard]] WithCopies<T> with_copies(std::span<const T> field) const {
     return {domain, field.first(n_real)};
   }
+  /// Flags of the real particles, 0 or 1, with those of the copies; all ranks call this.
+  [[nodiscard]] std::vector<char> flags_with_copies(std::span<const char> own) const {
+    std::vector<char> all(own.begin(), own.end());
+    if (domain.alone()) return all;
+    const ScalarArray numbers(own.begin(), own.end());
+    const auto filled = with_copies<double>(numbers);
+    all.resize(n_particles);
+    for (std::size_t q = n_real; q < n_particles; ++q) all[q] = filled[q] != 0.0 ? 1 : 0;
+    return all;
+  }
   /// Brings the values at the copies of a field [particles] up to date; all ranks call this.
   void fill_copies(OrZero<double>& field) const {
     if (domain.alone() || !domain.any(field.is_allocated())) return;
@@ -288,6 +299,8 @@ struct Stencil {
     return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
   }
   [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_particles && parent[j] < n_base; }
+  /// Whether a face column has a slope of the pressure.
+  [[nodiscard]] bool has_slope(Index column) const { return column < fitted.size() && fitted[column] != 0; }
   [[nodiscard]] std::size_t size() const { return position.size(); }
   /// The pair lists for for_pairs().
   [[nodiscard]] FullRows rows() const { return {offset.data(), other.data(), n_real, worth_threads}; }

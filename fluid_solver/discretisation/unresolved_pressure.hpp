@@ -35,17 +35,19 @@ class UnresolvedPressure {
       inverse_[a] = bounded_inverse<D>(moment, points::least_pair_moment * 2.0 * s_->volume[a], nullptr);
     });
   }
-  [[nodiscard]] bool empty() const { return inverse_.empty(); }
+  [[nodiscard]] bool empty() const { return s_ == nullptr; }
 
-  /// S(p) [Pa m^(D-2)] of the real particles.
-  [[nodiscard]] ScalarArray operator()(std::span<const double> p) const {
+  /// S(p) [Pa m^(D-2)] of the real particles; all ranks call this.
+  [[nodiscard]] ScalarArray operator()(std::span<const double> own) const {
     const std::size_t n = inverse_.size();
-    VecArray<D> slope(n);
+    const auto p = s_->with_copies(own);
+    VecArray<D> slope(s_->n_particles);
     parallel_for(n, [&](std::size_t a) {
       Vec<D> sum = Vec<D>::Zero();
       for_pairs_of(a, [&](Index b, double w, const Vec<D>& ab) { sum += w * (p[b] - p[a]) * ab; });
       slope[a] = inverse_[a] * sum;
     });
+    fill_copies(s_->domain, std::span(slope));
     ScalarArray result(n);
     parallel_for(n, [&](std::size_t a) {
       double sum = 0.0;
@@ -64,7 +66,7 @@ class UnresolvedPressure {
     const Stencil<D>& s = *s_;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], b = s.parent[j];
-      if (b >= s.n_real || b == static_cast<Index>(a) || weights_->weight[k] == 0.0F) continue;
+      if (b >= s.n_particles || b == static_cast<Index>(a) || weights_->weight[k] == 0.0F) continue;
       if (j >= s.n_base && !s.map[j - s.n_base].isIdentity()) continue;
       take(b, static_cast<double>(weights_->weight[k]), Vec<D>(s.position[j] - s.position[a]));
     }

@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "common/core/threads.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/discretisation/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -61,15 +62,18 @@ std::vector<char> find_full_pores(const Setup<D>& setup, std::span<const sph::Im
     beside.push_back(a);
     places.push_back(p.position[a]);
   }
-  if (beside.empty()) return full;
+  if (!setup.domain.any(!beside.empty())) return full;
+  const double length = exchange::soil_smoothing_ratio * setup.soil_spacing, reach = sph::support_radius * length;
+  const Domain domain = with_halo<D>(setup, planes, p, reach);
+  const WithCopies<Vec<D>> position(domain, p.position);
+  const WithCopies<double> mask(domain, p.mask), bulk(domain, p.volume);
   VecArray<D> in_soil;
   ScalarArray volume;
-  for (std::size_t a = 0; a < n; ++a) {
-    if (!(p.mask[a] > 0.0)) continue;
-    in_soil.push_back(p.position[a]);
-    volume.push_back(p.mask[a] * p.volume[a]);
+  for (std::size_t a = 0; a < n + domain.copies(); ++a) {
+    if (!(mask[a] > 0.0)) continue;
+    in_soil.push_back(position[a]);
+    volume.push_back(mask[a] * bulk[a]);
   }
-  const double length = exchange::soil_smoothing_ratio * setup.soil_spacing, reach = sph::support_radius * length;
   sph::CellGrid<D> grid;
   grid.build(in_soil, reach);
   const auto filled = [&](const Vec<D>& x) {
@@ -118,12 +122,16 @@ void fit_columns_to_pores(const Setup<D>& setup, State<D>& state) {
   const auto& p = state.particles;
   for (auto& c : state.columns) {
     if (!c.in_soil) continue;
-    double nearest = 4.0 * c.spacing * c.spacing, n = c.void_fraction;
+    double nearest = 4.0 * c.spacing * c.spacing;
+    std::vector<std::array<double, 3>> found;  // squared distance, id, porosity
     for (std::size_t a = 0; a < p.size(); ++a)
       if (const double distance = (p.position[a] - c.foot).squaredNorm(); p.mask[a] > 0.5 && distance < nearest) {
         nearest = distance;
-        n = p.void_fraction[a];
+        found = {{distance, static_cast<double>(id_of(p, a)), p.void_fraction[a]}};
       }
+    found = from_all_ranks(setup, std::move(found));
+    if (found.empty()) continue;
+    const double n = found.front()[2];
     if (std::abs(n - c.void_fraction) < exchange::same_porosity) continue;
     c.void_fraction = n;
     c.mass = setup.density * n * c.volume;
@@ -184,6 +192,18 @@ void give_drag_impulse(const Setup<D>& setup, const SoilView<D>& view, std::span
     state.exchanged.received -= p.drag_impulse[a];
     state.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
   }
+}
+
+template <int D>
+void add_up_exchanged(const Setup<D>& setup, const Exchanged<D>& before, State<D>& state) {
+  if (!setup.tiling) return;
+  Exchanged<D>& now = state.exchanged;
+  std::array<double, D + 1> own;
+  for (std::size_t d = 0; d < D; ++d) own[d] = now.received[static_cast<int>(d)] - before.received[static_cast<int>(d)];
+  own[D] = now.drag_work - before.drag_work;
+  setup.domain.sum(own);
+  now.received = before.received + Eigen::Map<const Vec<D>>(own.data());
+  now.drag_work = before.drag_work + own[D];
 }
 
 template <int D>
@@ -267,6 +287,7 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
                                 const coupling::Inbox& inbox, const SeepageRegime& regime);                            \
   template std::vector<char> find_full_pores(const Setup<D>& setup, std::span<const sph::ImagePlane<D>>,               \
                                              const Particles<D>& p, std::span<const double> coverage);                 \
+  template void add_up_exchanged(const Setup<D>&, const Exchanged<D>&, State<D>&);                                     \
   template void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient, \
                                      double interval, Particles<D>& p);                                                \
   template void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, const SoilView<D>& view,            \

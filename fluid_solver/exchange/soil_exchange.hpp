@@ -17,7 +17,7 @@ SoilView<D> see_soil(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> 
 /// Whether other water fills the pores around particles of free water within reach of soil [n]. It does where the
 /// volumes of the water that lies in the soil add up to as much as those of the soil's points, within half of what one
 /// particle at the place itself would add, or of the whole where a single point of soil adds less. coverage [n]: by the
-/// soil's points. planes: mirrors of the water.
+/// soil's points. planes: mirrors of the water. All ranks call this.
 template <int D>
 std::vector<char> find_full_pores(const Setup<D>& setup, std::span<const sph::ImagePlane<D>> planes,
                                   const Particles<D>& p, std::span<const double> coverage);
@@ -56,6 +56,10 @@ VecArray<D> apply_drag(const Setup<D>& setup, const Particles<D>& p, double inte
 template <int D>
 void give_drag_impulse(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> of_prediction,
                        double interval, State<D>& state);
+
+/// Adds up what all ranks have exchanged with the soil since `before`; until then each counts its own.
+template <int D>
+void add_up_exchanged(const Setup<D>& setup, const Exchanged<D>& before, State<D>& state);
 
 /// Stores the force of pressure and drag on the soil, evaluated at the water's points. The soil evaluates the same
 /// forces for the balance of forces that it reports. The difference between the two evaluations must not move the soil.

@@ -19,7 +19,7 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
-  std::vector<int> number;  ///< [n] index of the soil in the case; -1: in no soil; empty for soil that moves
+  std::vector<int> number;  ///< [n] index of the soil in the case; -1: in no soil; empty where no soil is at rest
   OrZero<double> outside;   ///< [n] m, distance outside the edge of soil that moves, negative inside; of points within
                             ///< reach of the soil
   OrZero<double> coverage;  ///< [n] coverage by the points of soil that moves: 1 inside, 0 out of their reach
@@ -57,6 +57,7 @@ struct SoilView {
   }
   /// Sets the tangent for the relative velocity of water and soil.
   void linearise(std::span<const Vec<D>> water, const OrZero<Vec<D>>& soil) {
+    if (resistance.empty()) return;  // the tangent is the law
     const bool curved = nonlinear();
     drag_offset.allocate(curved ? size() : 0);
     parallel_for(size(), [&](std::size_t a) {
@@ -74,7 +75,7 @@ struct SoilView {
   }
   /// Force on the water against the relative velocity `slip`, per volume [N/m3].
   [[nodiscard]] Vec<D> drag_force(std::size_t a, const Vec<D>& slip) const {
-    const double C = resistance[a].coefficient(slip.norm());
+    const double C = resistance.empty() ? drag[a] : resistance[a].coefficient(slip.norm());
     return drag_form.empty() ? Vec<D>(C * slip) : Vec<D>(C * drag_form[a] * slip);
   }
 };
@@ -165,7 +166,7 @@ template <int D>
 SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
   SoilView<D> soil;
   soil.resize(points.size());
-  soil.number.assign(points.size(), -1);
+  if (!ground.strata().empty()) soil.number.assign(points.size(), -1);
   parallel_for(points.size(), [&](std::size_t a) {
     const Stratum* here = ground.at(points[a]);
     if (!here) return;

@@ -61,7 +61,8 @@ Cells<D> cells_of(const Domain& domain, const Stencil<D>& s) {
 }
 
 /// The hits of this rank's particles, in ascending order of their first particles; of two particles the one with the
-/// lower id is the first. id(a), mass(a): of any particle. cells: absent where the rows are in their order already.
+/// lower id is the first. in_seepage, id(a), mass(a): of any particle. cells: absent where the rows are in their order
+/// already.
 template <int D, class Id, class Mass>
 std::vector<Hit<D>> hits_of(const Stencil<D>& s, std::span<const char> in_seepage, const std::optional<Cells<D>>& cells,
                             const Id& id, const Mass& mass) {
@@ -75,8 +76,7 @@ std::vector<Hit<D>> hits_of(const Stencil<D>& s, std::span<const char> in_seepag
       const double r2 = (s.position[j] - s.position[a]).squaredNorm(),
                    limit = motion::collision * 0.5 * (s.length(a) + s.length(j)) / points::smoothing_ratio;
       if (r2 >= limit * limit || r2 == 0.0) continue;
-      // Several ranks share free water only, so that no copy seeps.
-      if (b >= s.n_particles || (b < s.n_real && in_seepage[b] != 0)) continue;
+      if (b >= s.n_particles || in_seepage[b] != 0) continue;
       if (j < s.n_particles ? id(b) < id(a) : b != a) continue;
       near.push_back(j);
     }
@@ -139,8 +139,8 @@ void collide(const Setup<D>& setup, const Stencil<D>& s, Particles<D>& p) {
   const auto all_ids = s.template with_copies<double>(own_ids);
   const auto mass = s.template with_copies<double>(p.mass);
   const auto hits = hits_of<D>(
-      s, p.in_seepage, cells_of(setup.domain, s), [&](std::size_t a) { return static_cast<GlobalId>(all_ids[a]); },
-      [&](std::size_t a) { return mass[a]; });
+      s, s.flags_with_copies(p.in_seepage), cells_of(setup.domain, s),
+      [&](std::size_t a) { return static_cast<GlobalId>(all_ids[a]); }, [&](std::size_t a) { return mass[a]; });
   ScalarArray said, moving;
   const auto put = [](ScalarArray& to, const auto& numbers) {
     to.insert(to.end(), numbers.data(), numbers.data() + numbers.size());

@@ -57,7 +57,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const double> s
 /// Displacements [m] by which each particle's bulk volume expands by the fraction expansion [n] (the sum of V expansion
 /// is zero), in water that fills the whole domain. They are the gradient of a potential, with div d = expansion and no
 /// flow through walls and faces. They do not depend on the soils' conductivity: they even out the points, and no
-/// pressure is needed to drive them.
+/// pressure is needed to drive them. All ranks call this.
 template <int D>
 VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   auto matrix = laplacian<D>(s, {});
@@ -77,14 +77,15 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   if (size > 0.0)
     conjugate_gradients(s.domain, apply, precondition, std::move(b), potential, motion::repair_tolerance * size,
                         motion::most_repair_iterations);
+  const auto potentials = s.template with_copies<double>(potential);
   VecArray<D> displacement(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
     Vec<D> sum = Vec<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
-      if (q < s.n_real)
-        sum +=
-            static_cast<double>(s.gradient_factor[k]) * (potential[q] - potential[a]) * (s.position[j] - s.position[a]);
+      if (q < s.n_particles)
+        sum += static_cast<double>(s.gradient_factor[k]) * (potentials[q] - potentials[a]) *
+               (s.position[j] - s.position[a]);
     }
     displacement[a] = s.correction_open(a) * sum;
   });

@@ -157,8 +157,7 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
   if (std::any_of(state.columns.begin(), state.columns.end(), open)) {
     const ColumnFinder<D> finder(state.columns);
-    // Like all limits, of this rank only.
-    const double fastest = one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
+    const double fastest = setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) {
       const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
       if (i < 0) return 0.0;
       const auto& c = state.columns[static_cast<std::size_t>(i)];
@@ -199,6 +198,7 @@ void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const
     if (acceleration == 0.0) continue;
     longest = std::min(longest, 0.5 * spacing / (speed + std::sqrt(speed * speed + acceleration * spacing)));
   }
+  longest = setup.domain.min(longest);
   if (std::isfinite(longest))
     state.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
 }
@@ -306,6 +306,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     // On this rank only, too.
     apply(viscous_interval(setup, one_rank::max_over(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
           "viscosity");
+  limit.first = setup.domain.min(limit.first);  // the searches by halving begin at it
   for (std::size_t f = 0; f < faces.boundaries.size(); ++f)
     if (!faces.is_opening(state, static_cast<int>(f))) {
       const auto bound =
@@ -335,21 +336,21 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   }
   // Where a face has no water inside yet, there is no speed to limit the window. The limit is the time in which the
   // front enters by half a spacing.
-  if (p.size() == 0 || state.last_interval == 0.0) {
-    std::vector<char> water(state.columns.size(), 0);
+  if (state.last_interval == 0.0 || !setup.domain.any(p.size() > 0)) {
+    ScalarArray water(state.columns.size(), 0.0);
     const ColumnFinder<D> finder(state.columns);
     for (const auto& x : p.position)
-      if (const int i = finder.nearest(x); i >= 0) water[static_cast<std::size_t>(i)] = 1;
+      if (const int i = finder.nearest(x); i >= 0) water[static_cast<std::size_t>(i)] = 1.0;
+    setup.domain.max(water);
     for (std::size_t i = 0; i < water.size(); ++i) {
       const auto& c = state.columns[i];
-      if (!c.wet || water[i]) continue;
+      if (!c.wet || water[i] > 0.0) continue;
       const auto speed = infiltration_speed<D>(setup, c);
       const double half = 0.5 * c.spacing;
       if (speed.head > 0.0) apply(0.5 * half * half / speed.head, "first wetting of dry ground");
       if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
     }
   }
-  limit.first = setup.domain.min(limit.first);
   return limit;
 }
 

@@ -33,16 +33,18 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
   const auto& p = state.particles;
   ScalarArray deferred(p.size(), 0.0);
   if (setup.scheme != FluidCase::Scheme::projection || state.last_interval <= 0.0) return deferred;
+  std::vector<char> held(p.size(), 0);  // by the soil
+  parallel_for(p.size(), [&](std::size_t a) { held[a] = is_drag_dominated<D>(setup, p, view, a) ? 1 : 0; });
+  const bool any_held = s.domain.any_of(p.size(), [&](std::size_t a) { return held[a] != 0; });
+  const std::vector<char> holds = any_held ? s.flags_with_copies(held) : std::vector<char>();
   const auto touches_soil = [&](std::size_t a) {
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]];
-          q < s.n_real && view.mask[q] > 0.0 && is_drag_dominated<D>(setup, p, view, q))
-        return true;
+    for (Index k = s.offset[a]; !holds.empty() && k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_particles && holds[q] != 0) return true;
     return false;
   };
   parallel_for(p.size(), [&](std::size_t a) {
-    if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, p, view, a) &&
-        s.length(a) * s.normal[a].norm() > motion::even_surroundings && !touches_soil(a))
+    if (p.in_seepage[a] == 0 && held[a] == 0 && s.length(a) * s.normal[a].norm() > motion::even_surroundings &&
+        !touches_soil(a))
       deferred[a] = (1.0 - view.mask[a]) * std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
   if (s.domain.all_of(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
@@ -70,11 +72,14 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
   for (auto* values : {&p.unseen_rate, &p.unseen_strain})
     if (!values->is_allocated()) values->allocate(p.size());
   const auto shown = divergence<D>(s, view.mean_velocity.values());
+  std::vector<char> covered(p.size());
+  parallel_for(p.size(), [&](std::size_t a) { covered[a] = view.mask[a] > 0.0 ? 1 : 0; });
+  covered = s.flags_with_copies(covered);
   ScalarArray applied(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
-    bool within = view.mask[a] > 0.0;  // inside only: at the soil's edge the divergence contains the end of the soil
+    bool within = covered[a] != 0;  // inside only: at the soil's edge the divergence contains the end of the soil
     for (Index k = s.offset[a]; k < s.offset[a + 1] && within; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real) within = view.mask[q] > 0.0;
+      if (const Index q = s.parent[s.other[k]]; q < s.n_particles) within = covered[q] != 0;
     const double rate = within ? view.strain_rate[a] - shown[a] : 0.0;
     const double strain = p.unseen_strain[a] + rate * came;
     // Critically damped, in proportion to the window: a short one, cut at an output instant, does not jerk the soil.
@@ -279,15 +284,16 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
     expansion[a] = packing_error<D>(setup, state.particles, s, a, s.fullness[a]);
   });
   // Separate bodies of water exchange no volume.
-  const auto body = bodies_of<D>(s);
-  ScalarArray all(p.size(), 0.0), made(p.size(), 0.0);  // sums over each body
+  const auto body = bodies_of<D>(s, p.share.ids);
+  ScalarArray all(body.count, 0.0), made(body.count, 0.0);  // sums over each body
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const auto b = static_cast<std::size_t>(body[a]);
+    const auto b = static_cast<std::size_t>(body.of[a]);
     all[b] += p.volume[a] * share[a];
     made[b] += p.volume[a] * share[a] * expansion[a];
   }
+  for (auto* sums : {&all, &made}) s.domain.sum(*sums);
   parallel_for(p.size(), [&](std::size_t a) {
-    const auto b = static_cast<std::size_t>(body[a]);
+    const auto b = static_cast<std::size_t>(body.of[a]);
     expansion[a] = share[a] * (expansion[a] - (all[b] > 0.0 ? made[b] / all[b] : 0.0));
   });
   return expand<D>(s, expansion);

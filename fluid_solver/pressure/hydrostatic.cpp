@@ -38,8 +38,7 @@ void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
   if (setup.coupled) store_coupling_force<D>(setup, view, out.gradient, 0.0, p);
-  // Of this rank only, as all limits of a window.
-  const double fastest = one_rank::max_over(p.size(), 0.0, [&](std::size_t a) {
+  const double fastest = setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) {
     return is_drag_dominated<D>(setup, state.particles, view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a])
                                                                  : 0.0;
   });

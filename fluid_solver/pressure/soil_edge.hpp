@@ -32,7 +32,8 @@ struct EdgePair {
 ///   F = [R_a U_a + R_q U_q - (p_q - p_a)/r] / (R_a + R_q),      p_e = p_a + r R_a (U_a - F)
 ///
 /// with the flux U of water and skeleton without the pressure's, the resistances R per length of the pair, and its
-/// length r. The operators inside the soil and the free water take the mean of both sides instead.
+/// length r. The operators inside the soil and the free water take the mean of both sides instead. All ranks call the
+/// constructor and what takes a field, or the edge is empty on all.
 template <int D>
 class SoilEdge {
  public:
@@ -41,53 +42,70 @@ class SoilEdge {
   /// skeleton at a responds. coarse(a): whether inertia dominates there.
   template <class Mobility, class Presses, class Coarse>
   SoilEdge(const Stencil<D>& s, const SoilView<D>& soil, const Mobility& mobility, double free_resistance,
-           const Presses& presses, const Coarse& coarse)
-      : s_(&s) {
-    if (!soil.outside.is_allocated()) return;
-    const std::size_t n = s.n_real;
-    const auto meets = [&](std::size_t a) { return soil.mask[a] < 1.0 && soil.coverage[a] > 0.0; };
-    std::vector<char> near;
-    for (std::size_t a = 0; a < n; ++a) {
-      if (!meets(a)) continue;
-      near.resize(n, 0);
-      near[a] = 1;
-      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-        if (const Index q = s.parent[s.other[k]]; q < n) near[q] = 1;
-    }
-    if (near.empty()) return;
-    for (std::size_t a = 0; a < n; ++a)
+           const Presses& presses, const Coarse& coarse) {
+    const std::size_t real = s.n_real, n = s.n_particles;
+    std::vector<char> meet(real, 0);
+    if (soil.outside.is_allocated())
+      parallel_for(real, [&](std::size_t a) { meet[a] = soil.mask[a] < 1.0 && soil.coverage[a] > 0.0 ? 1 : 0; });
+    if (!s.domain.any_of(real, [&](std::size_t a) { return meet[a] != 0; })) return;
+    s_ = &s;
+    meet = s.flags_with_copies(meet);
+    std::vector<char> near(real, 0);
+    for (std::size_t a = 0; a < real; ++a)
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index q = s.parent[s.other[k]];
+        if (meet[a] != 0 && q < real) near[q] = 1;
+        if (meet[a] != 0 || (q >= real && q < n && meet[q] != 0)) near[a] = 1;
+      }
+    for (std::size_t a = 0; a < real; ++a)
       if (near[a] != 0) particles_.push_back(a);
+    ScalarArray own_outside(real), own_mobility(real);
+    std::vector<char> own_coarse(real), own_free(real);
+    parallel_for(real, [&](std::size_t a) {
+      own_outside[a] = soil.outside[a];
+      own_mobility[a] = mobility(a);
+      own_coarse[a] = coarse(a) ? 1 : 0;
+      own_free[a] = soil.fraction[a] <= 0.0 ? 1 : 0;
+    });
+    const auto mask = s.template with_copies<double>(soil.mask), outside = s.template with_copies<double>(own_outside);
+    const std::vector<char> is_coarse = s.flags_with_copies(own_coarse);
+    mobility_ = std::move(own_mobility);
+    mobility_.resize(n);
+    fill_copies(s.domain, std::span(mobility_));
+    free_ = s.flags_with_copies(own_free);
     into_soil_.assign(n, Vec<D>::Zero());
-    missing_along_.assign(n, 0.0);
+    missing_along_.assign(real, 0.0);
     more_along_.assign(n, 0.0);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
       Vec<D> normal = Vec<D>::Zero();
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-        if (const Index q = s.parent[s.other[k]]; q < n) normal += (soil.mask[q] - soil.mask[a]) * weight(a, k);
+        if (const Index q = s.parent[s.other[k]]; q < n) normal += (mask[q] - mask[a]) * weight(a, k);
       if (!normal.isZero(0.0)) into_soil_[a] = normal.normalized();
     });
-    free_.resize(n);
-    for (std::size_t a = 0; a < n; ++a) free_[a] = soil.fraction[a] <= 0.0;
+    fill_copies(s.domain, std::span(into_soil_));
     pairs_.resize(particles_.size());
-    push_.assign(n, 0.0);
-    steeper_.assign(n, 1.0);
+    push_.assign(real, 0.0);
+    steeper_.assign(real, 1.0);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k], q = s.parent[j];
-        if (q >= n || (soil.mask[a] >= 1.0 && soil.mask[q] >= 1.0) ||
-            (soil.fraction[a] <= 0.0 && soil.fraction[q] <= 0.0) || coarse(soil.mask[a] > soil.mask[q] ? a : q))
+        if (q >= n || (mask[a] >= 1.0 && mask[q] >= 1.0) || (free_[a] != 0 && free_[q] != 0) ||
+            is_coarse[mask[a] > mask[q] ? a : q] != 0)
           continue;
-        pairs_[i].push_back(made(a, k, soil, mobility, free_resistance));
+        pairs_[i].push_back(made(a, k, mask, outside, free_resistance));
       }
       if (presses(a)) find_push(a, pairs_[i]);
       // Only beside soil's points: then all that pair with a are in particles_, and the matrix stays symmetric.
-      if (soil.fraction[a] <= 0.0 && meets(a)) find_missing(a, pairs_[i]);
+      if (free_[a] != 0 && meet[a] != 0) find_missing(a, pairs_[i]);
     });
+    fill_copies(s.domain, std::span(more_along_));
   }
 
-  [[nodiscard]] bool empty() const { return particles_.empty(); }
+  [[nodiscard]] bool empty() const { return s_ == nullptr; }
+  /// The given mobility, also at a copy.
+  [[nodiscard]] double mobility(std::size_t a) const { return mobility_[a]; }
   /// Whether the pressure at the edge presses the skeleton of this particle.
   [[nodiscard]] bool presses(std::size_t a) const { return !push_.empty() && push_[a] > 0.0; }
   /// N s/m4 per length: gradient of the pressure on the skeleton per change of the flux towards the free water, which
@@ -110,9 +128,11 @@ class SoilEdge {
   /// Adds to the divergence of a flux, formed with the means of both sides, that the flux through the edge is the one
   /// of the less mobile side. Along the edge water slips past the soil: a flux there counts on its own side only.
   void add_to_divergence(std::span<const Vec<D>> flux, std::span<double> divergence) const {
+    if (empty()) return;
+    const auto all = s_->with_copies(flux);
     for_pairs([&](std::size_t a, const EdgePair& pair) {
       if (!pair.ends) return;
-      const Vec<D> w = s_->correction_open(a) * weight(a, pair.k), jump = seen(pair.j, flux) - flux[a];
+      const Vec<D> w = s_->correction_open(a) * weight(a, pair.k), jump = seen(pair.j, all) - flux[a];
       divergence[a] += w.dot((1.0 + pair.lead()) * across(a, jump) - jump);
     });
     parallel_for(particles_.size(), [&](std::size_t i) {
@@ -120,7 +140,7 @@ class SoilEdge {
       if (missing_along_[a] <= 0.0) return;
       double sum = 0.0;
       for_free_pairs(i, [&](Index k, Index j) {
-        const Vec<D> jump = seen(j, flux) - flux[a];
+        const Vec<D> jump = seen(j, all) - flux[a];
         sum += (s_->correction_open(a) * weight(a, k)).dot(jump - across(a, jump));
       });
       divergence[a] += missing_along_[a] * sum;
@@ -129,16 +149,20 @@ class SoilEdge {
   /// Adds to the divergence of the flux that the water carries that the flux at the window's start is continuous
   /// through the edge: the free water there moved with the soil. before [n]: flux at the window's start [m/s].
   void add_start(std::span<const Vec<D>> before, std::span<double> divergence) const {
+    if (empty()) return;
+    const auto all = s_->with_copies(before);
     for_pairs([&](std::size_t a, const EdgePair& pair) {
       if (!pair.ends) return;
-      const Vec<D> jump = across(a, seen(pair.j, before) - before[a]);
+      const Vec<D> jump = across(a, seen(pair.j, all) - before[a]);
       const double part = pair.lead() > 0.0 ? 1.0 - pair.lead() : -1.0 - pair.lead();
       divergence[a] += part * (s_->correction_open(a) * weight(a, pair.k)).dot(jump);
     });
   }
   /// Adds to the gradient of a pressure, formed with the means of both sides, that the pressure at the edge acts on the
   /// skeleton, at the edge's distance: exact for a pressure that is linear in the soil.
-  void add_to_gradient(std::span<const double> p, std::span<Vec<D>> gradient) const {
+  void add_to_gradient(std::span<const double> own, std::span<Vec<D>> gradient) const {
+    if (empty()) return;
+    const auto p = s_->with_copies(own);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
       if (!presses(a)) return;
@@ -151,20 +175,21 @@ class SoilEdge {
   }
   /// Adds to the flux that the pressure drives what the pairs conduct beyond the harmonic mean of their mobilities, and
   /// what pairs with the soil do not conduct along the edge.
-  template <class Mobility>
-  void add_to_flux(std::span<const double> p, const Mobility& mobility, std::span<Vec<D>> flux) const {
+  void add_to_flux(std::span<const double> own, std::span<Vec<D>> flux) const {
+    if (empty()) return;
+    const auto p = s_->with_copies(own);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
       for (const auto& pair : pairs_[i]) {
         const Index q = s_->parent[pair.j];
-        const double beyond = pair.mobility() - harmonic(mobility(a), mobility(q));
+        const double beyond = pair.mobility() - harmonic(mobility_[a], mobility_[q]);
         flux[a] += beyond * (p[q] - p[a]) * (s_->correction[a] * weight(a, pair.k));
       }
       if (missing_along_[a] <= 0.0) return;
       Vec<D> sum = Vec<D>::Zero();
       for_free_pairs(i,
                      [&](Index k, Index j) { sum += (p[s_->parent[j]] - p[a]) * (s_->correction[a] * weight(a, k)); });
-      flux[a] += missing_along_[a] * mobility(a) * (sum - across(a, sum));
+      flux[a] += missing_along_[a] * mobility_[a] * (sum - across(a, sum));
     });
   }
   /// Factor on the conductance of a pair of particles of free water, of which pairs with the soil leave a part out
@@ -185,11 +210,13 @@ class SoilEdge {
   }
   /// Adds to the flux of free water that it follows a change of the soil's flux [m/s].
   void follow(std::span<const Vec<D>> change, std::span<Vec<D>> flux) const {
+    if (empty()) return;
+    const auto all = s_->with_copies(change);
     for_pairs([&](std::size_t a, const EdgePair& pair) {
       if (!(pair.lead() > 0.0)) return;
       const Vec<D>& n = into_soil_[a];
       const Vec<D> r = s_->position[pair.j] - s_->position[a];
-      flux[a] += pair.lead() * n.dot(seen(pair.j, change)) * n.dot(r) * (s_->correction[a] * weight(a, pair.k));
+      flux[a] += pair.lead() * n.dot(seen(pair.j, all)) * n.dot(r) * (s_->correction[a] * weight(a, pair.k));
     });
   }
 
@@ -200,10 +227,10 @@ class SoilEdge {
   template <class Take>
   void for_free_pairs(std::size_t i, const Take& take) const {
     const std::size_t a = particles_[i];
-    if (!free_[a]) return;
+    if (free_[a] == 0) return;
     for (Index k = s_->offset[a]; k < s_->offset[a + 1]; ++k) {
       const Index j = s_->other[k], q = s_->parent[j];
-      if (q < s_->n_real && free_[q] && j != a) take(k, j);
+      if (q < s_->n_particles && free_[q] != 0 && j != a) take(k, j);
     }
   }
   /// What the pairs of free water at a with the soil leave out of the moment along the edge.
@@ -211,11 +238,11 @@ class SoilEdge {
     double all = 0.0, left = 0.0, shape = 0.0;
     for (Index k = s_->offset[a]; k < s_->offset[a + 1]; ++k) {
       const Index j = s_->other[k], q = s_->parent[j];
-      if (q >= s_->n_real || j == a) continue;
+      if (q >= s_->n_particles || j == a) continue;
       const Vec<D> r = s_->position[j] - s_->position[a];
       const double along = along_square(a, r), factor = s_->gradient_factor[k];
       all += factor * along;
-      if (free_[q]) shape += factor * along * along / r.squaredNorm();
+      if (free_[q] != 0) shape += factor * along * along / r.squaredNorm();
     }
     for (const auto& pair : pairs)
       if (pair.ends)
@@ -231,26 +258,26 @@ class SoilEdge {
   [[nodiscard]] Vec<D> seen(Index j, std::span<const Vec<D>> f) const {
     return j < s_->n_base ? f[s_->parent[j]] : Vec<D>(s_->map[j - s_->n_base] * f[s_->parent[j]]);
   }
-  template <class Mobility>
-  EdgePair made(std::size_t a, Index k, const SoilView<D>& soil, const Mobility& mobility, double free) const {
+  EdgePair made(std::size_t a, Index k, std::span<const double> mask, std::span<const double> outside,
+                double free) const {
     const Index j = s_->other[k], q = s_->parent[j];
-    const bool own = soil.mask[a] >= soil.mask[q];  // this particle is the one farther in the soil
+    const bool own = mask[a] >= mask[q];  // this particle is the one farther in the soil
     const std::size_t in = own ? a : q, out = own ? q : a;
     double inside = 0.0;
-    if (soil.mask[in] >= 1.0) {
+    if (mask[in] >= 1.0) {
       const Vec<D> ba = s_->position[j] - s_->position[a];
       const Vec<D> r = !own ? ba : j < s_->n_base ? Vec<D>(-ba) : Vec<D>(-(s_->map[j - s_->n_base].transpose() * ba));
       const double across = into_soil_[out].dot(r);
-      inside = across > 0.0 ? 1.0 - soil.outside[out] / across : 0.0;
+      inside = across > 0.0 ? 1.0 - outside[out] / across : 0.0;
     } else {
-      const double from = soil.outside[in], to = soil.outside[out];
-      inside = to > from ? -from / (to - from) : soil.mask[in];
+      const double from = outside[in], to = outside[out];
+      inside = to > from ? -from / (to - from) : mask[in];
     }
     inside = std::clamp(inside, pressure::least_inside, 1.0);
     // Where the soil covers a particle in part, its drag counts the covered part only (mapped_soil).
-    const double in_soil = inside / (mobility(in) * soil.mask[in]), in_water = (1.0 - inside) * free;
+    const double in_soil = inside / (mobility_[in] * mask[in]), in_water = (1.0 - inside) * free;
     return {static_cast<std::size_t>(k), j,      own ? in_soil : in_water,
-            own ? in_water : in_soil,    inside, soil.fraction[a] <= 0.0 || soil.fraction[q] <= 0.0};
+            own ? in_water : in_soil,    inside, free_[a] != 0 || free_[q] != 0};
   }
   /// How free water presses the skeleton of particle a: between the edge and the other particles it moves with the
   /// soil.
@@ -271,12 +298,13 @@ class SoilEdge {
   const Stencil<D>* s_ = nullptr;
   std::vector<std::size_t> particles_;        ///< within reach of the edge
   std::vector<std::vector<EdgePair>> pairs_;  ///< of each of them
-  VecArray<D> into_soil_;                     ///< [n] unit vector into the soil; zero far from its edge
+  ScalarArray mobility_;                      ///< [particles] as given
+  VecArray<D> into_soil_;                     ///< [particles] unit vector into the soil; zero far from its edge
   ScalarArray push_;                          ///< [n]
   ScalarArray steeper_;                       ///< [n] factor on the gradient across the edge: pairs end there
-  std::vector<char> free_;                    ///< [n] whether no soil covers the particle
-  /// [n] What pairs of free water with the soil leave out of the moment along the edge, over what is left; and the
-  /// factor on the squared direction cosine along the edge that conducts it.
+  std::vector<char> free_;                    ///< [particles] whether no soil covers the particle
+  /// [n], [particles] What pairs of free water with the soil leave out of the moment along the edge, over what is left;
+  /// and the factor on the squared direction cosine along the edge that conducts it.
   ScalarArray missing_along_, more_along_;
 };
 

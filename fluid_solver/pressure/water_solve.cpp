@@ -56,7 +56,7 @@ template <int D>
 WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in,
                                   const Passes<D>& passes, SoilView<D>& view, State<D>& state) {
   const auto& p = state.particles;
-  const bool nonlinear = view.nonlinear();
+  const bool nonlinear = setup.domain.any(view.nonlinear());
   WindowSolution<D> out;
   out.multigrid = state.multigrid;
   for (int round = 1;; ++round) {

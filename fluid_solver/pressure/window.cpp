@@ -102,6 +102,7 @@ class WindowSolver {
       }
       any_response_ = domain_.any(any_response_);
     }
+    if (any_response_) find_moduli();
     find_edge();
     sources_ = make_sources();  // before the matrix: their temporary arrays together with the matrix would need too
                                 // much memory
@@ -119,6 +120,12 @@ class WindowSolver {
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
+  /// Constrained modulus of the skeleton at a particle or copy [Pa]; 0: it does not respond.
+  void find_moduli() {
+    modulus_.assign(s_.n_particles, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) modulus_[a] = r_[a].responds ? r_[a].M : 0.0;
+    fill_copies(domain_, std::span(modulus_));
+  }
   /// What drives the water besides the pressure and the skeleton [N/m3]: its momentum divided by the window's length,
   /// and the explicit part of a quadratic drag.
   [[nodiscard]] Vec<D> push(std::size_t a) const { return q_[a].aw * before(a) + soil_.drag_offset[a]; }
@@ -139,7 +146,7 @@ class WindowSolver {
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
     if (!domain_.any(n_ > 0)) return finish(out);
-    const bool moves = any_response_ || soil_.velocity.is_allocated();
+    const bool moves = any_response_ || domain_.any(soil_.velocity.is_allocated());
     if (!moves) out.solid_velocity = {};
     if (moves && !out.solid_velocity.is_allocated()) out.solid_velocity.allocate(n_);
     if (moves)
@@ -193,7 +200,7 @@ class WindowSolver {
 
   /// Finds the edge of soil under free water.
   void find_edge() {
-    if (!soil_.outside.is_allocated() || !in_.inertia) return;
+    if (!in_.inertia) return;
     edge_ = SoilEdge<D>(
         s_, soil_, [&](std::size_t a) { return q_[a].kf; }, in_.density / in_.interval,
         [&](std::size_t a) { return responds(a); }, [&](std::size_t a) { return soil_.loose[a] != 0 || is_coarse(a); });
@@ -201,7 +208,9 @@ class WindowSolver {
   void conduct_at_edge() {
     edge_.for_pairs([&](std::size_t a, const EdgePair& pair) {
       const double weight = fluid_.weight[pair.k];
-      if (weight != 0.0) set_weight(a, pair.k, weight * pair.mobility() / harmonic(q_[a].kf, q_[s_.parent[pair.j]].kf));
+      if (weight != 0.0)
+        set_weight(a, pair.k,
+                   weight * pair.mobility() / harmonic(edge_.mobility(a), edge_.mobility(s_.parent[pair.j])));
     });
     edge_.for_free_pairs([&](std::size_t a, Index k) {
       if (fluid_.weight[k] != 0.0F) set_weight(a, k, static_cast<double>(fluid_.weight[k]) * edge_.conductance(a, k));
@@ -231,8 +240,10 @@ class WindowSolver {
     } else {
       fluid_ = laplacian<D>(s_, mobility);
       conduct_at_edge();
+      if (domain_.all(soil_.number.empty())) return;
+      find_soils();
       even_out_directions();
-      free_along_borders();
+      free_along_borders(mobility);
     }
   }
 
@@ -288,6 +299,7 @@ class WindowSolver {
       parallel_for(n_, [&](std::size_t a) { flux[a] = q_[a].kf * out.gradient[a]; });
     }
     const auto& p = out.pressure;
+    const ScalarArray slopes = face_slopes<D>(s_, p, [&](Index c) { return in_.face_pressure[c]; });
     parallel_for(n_, [&](std::size_t a) {
       if (!cells_.has_cell(a)) {
         if (soil_.mask[a] > 0.5) flux[a] = *in_.beds * flux[a];
@@ -305,10 +317,8 @@ class WindowSolver {
         } else {
           // As in pressure_gradient(): a reflection would magnify the error of a particle that lies on the face itself.
           const auto& b = s_.buffers[q - s_.n_particles];
-          const double at_face = in_.face_pressure[b.column];
-          const auto slope = face_slope(s_, b.column, p, at_face);
-          difference =
-              slope ? p[a] - at_face + *slope * b.outside : s_.reflection(a, q) * (p[a] - pressure_at_face(a, b));
+          difference = s_.has_slope(b.column) ? p[a] - in_.face_pressure[b.column] + slopes[b.column] * b.outside
+                                              : s_.reflection(a, q) * (p[a] - pressure_at_face(a, b));
         }
         sum += mobility * side.conductance * difference * side.middle;
       }
@@ -316,6 +326,13 @@ class WindowSolver {
       flux[a] = -own;
       out.gradient[a] = cells_.gradient(own, q_[a].kf);
     });
+  }
+
+  /// Finds the soils of the particles and of the copies.
+  void find_soils() {
+    number_.assign(soil_.number.begin(), soil_.number.end());
+    number_.resize(s_.n_particles);
+    fill_copies(domain_, std::span(number_));
   }
 
   /// Corrects the conduction between points in soil that lie closer in one direction than in others, as behind a border
@@ -326,15 +343,13 @@ class WindowSolver {
   /// deviator of the moment cancels the error, given the mean of e e e e over all directions. S is zero within reach of
   /// another soil or a face: volumes change abruptly there, and buffers stand in rows of their own.
   void even_out_directions() {
-    const auto& number = soil_.number;
-    if (number.empty()) return;
     constexpr double most = pressure::most_stretched;
-    stretch_.assign(n_, Mat<D>::Zero());
+    stretch_.assign(s_.n_particles, Mat<D>::Zero());
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
+      if (number_[a] < 0.0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index q = s_.parent[s_.other[k]];
-        if (q >= n_ || number[q] != number[a]) return;
+        if (q >= s_.n_particles || number_[q] != number_[a]) return;
       }
       const Mat<D> moment = s_.moment(a);
       const double mean = moment.trace() / D;
@@ -343,11 +358,12 @@ class WindowSolver {
       const double size = stretch_[a].norm();
       if (size > most) stretch_[a] *= most / size;
     });
+    fill_copies(domain_, std::span(stretch_));
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0) return;
+      if (number_[a] < 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
-        if (q >= n_ || fluid_.weight[k] == 0.0F) continue;
+        if (q >= s_.n_particles || fluid_.weight[k] == 0.0F) continue;
         set_weight(a, k, static_cast<double>(fluid_.weight[k]) * stretched(a, j, q));
       }
     });
@@ -357,7 +373,7 @@ class WindowSolver {
     const Vec<D> ba = s_.position[j] - s_.position[a];
     const Vec<D> theirs = j < s_.n_base ? ba : Vec<D>(s_.map[j - s_.n_base].transpose() * ba);
     const auto along = [&](std::size_t i, const Vec<D>& r) { return r.dot(stretch_[i] * r); };
-    return 1.0 + 0.5 * (along(a, ba) + (q < n_ ? along(q, theirs) : along(a, ba))) / ba.squaredNorm();
+    return 1.0 + 0.5 * (along(a, ba) + along(q, theirs)) / ba.squaredNorm();
   }
 
   /// Corrects the conduction along borders between soils. The harmonic mean of a pair's mobilities is right across a
@@ -367,28 +383,31 @@ class WindowSolver {
   /// Pairs within each soil are scaled by 1 + s (t^2 - q n^2), with the components n and t of their unit vector across
   /// and along the border. q (`still`) leaves the flux across the border unchanged. s is the mean of both particles'
   /// values, and gives the flux along the border the mobility of the soil itself.
-  void free_along_borders() {
-    const auto& number = soil_.number;
-    if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
+  void free_along_borders(std::span<const double> own_mobility) {
+    const double first = domain_.max(n_ == 0 ? -1.0 : number_[0]);
+    if (domain_.all_of(n_, [&](std::size_t a) { return number_[a] == first; })) return;
     constexpr double still = (D - 1) / 3.0;  // mean of t^2 n^2 over that of n^4
     constexpr double least = -pressure::most_stretched, most = pressure::most_stretched / still;
-    VecArray<D> across(n_, Vec<D>::Zero());
-    ScalarArray lacks(n_, 0.0), scale(n_, 0.0), next(n_, 0.0);
-    const auto within = [&](std::size_t a, Index q) { return q < n_ && number[q] == number[a]; };
+    const auto mobility = s_.with_copies(own_mobility);
+    const std::size_t count = s_.n_particles;
+    VecArray<D> across(count, Vec<D>::Zero());
+    ScalarArray lacks(n_, 0.0), scale(count, 0.0), next(count, 0.0);
+    const auto within = [&](std::size_t a, Index q) { return q < count && number_[q] == number_[a]; };
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0) return;
+      if (number_[a] < 0.0) return;
       Mat<D> missing = Mat<D>::Zero();
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
-        if (q >= n_ || number[q] < 0 || number[q] == number[a] || q_[q].kf == q_[a].kf) continue;
+        if (q >= count || number_[q] < 0.0 || number_[q] == number_[a] || mobility[q] == mobility[a]) continue;
         const Vec<D> ba = s_.position[j] - s_.position[a], w = static_cast<double>(s_.gradient_factor[k]) * ba;
-        across[a] += (q_[q].kf - q_[a].kf) * w;
-        missing += (1.0 - harmonic(1.0, q_[q].kf / q_[a].kf)) * w * ba.transpose();
+        across[a] += (mobility[q] - mobility[a]) * w;
+        missing += (1.0 - harmonic(1.0, mobility[q] / mobility[a])) * w * ba.transpose();
       }
       if (across[a].isZero(0.0)) return;
       across[a].normalize();
       lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
     });
+    fill_copies(domain_, std::span(across));
     // t^2 - q n^2 of a pair at distance ba, with the normal n of the border at one of its particles.
     const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
       const double part = n.dot(ba), square = part * part / ba.squaredNorm();
@@ -412,9 +431,10 @@ class WindowSolver {
         next[a] = own > 0.0 ? std::clamp(0.5 * (scale[a] + (lacks[a] - others) / own), least, most) : 0.0;
       });
       scale = next;
+      fill_copies(domain_, std::span(scale));
     }
     parallel_for(n_, [&](std::size_t a) {
-      if (number[a] < 0) return;
+      if (number_[a] < 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
         if (fluid_.weight[k] == 0.0F || q == a || !within(a, q) || (scale[a] == 0.0 && scale[q] == 0.0)) continue;
@@ -481,7 +501,7 @@ class WindowSolver {
     fluid_.apply(s_.template with_copies<double>(out.pressure), std::span<double>(row));
     const ScalarArray squeeze = squeezed(out.solid_velocity);
     for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
-    if (any_response_ && (any_cavitating_ || !in_.pressure.empty())) {
+    if (any_response_ && (any_cavitating_ || domain_.any(!in_.pressure.empty()))) {
       ScalarArray change(n_);
       for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
       const ScalarArray held_back = stabilised(change);
@@ -498,7 +518,7 @@ class WindowSolver {
   }
   ScalarArray stabilised(std::span<const double> change, std::span<const Vec<D>> gradient) const {
     ScalarArray result(n_);
-    plain_.apply(change, std::span<double>(result));
+    plain_.apply(s_.template with_copies<double>(change), std::span<double>(result));
     const ScalarArray wide = divergence<D>(s_, gradient);
     for (std::size_t a = 0; a < n_; ++a) result[a] = stabilisation_[a] * (result[a] + s_.volume[a] * wide[a]);
     if (unresolved_.empty()) return result;
@@ -560,6 +580,7 @@ class WindowSolver {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
     out.face_carry.assign(count, 0.0);
+    if (count == 0) return;
     for (std::size_t a = 0; s_.n_base > s_.n_particles && a < n_; ++a) {
       if (cells_.has_cell(a)) {
         add_face_flow_of_cell(a, out);
@@ -588,15 +609,15 @@ class WindowSolver {
     }
     VecArray<D> normal(count, Vec<D>::Zero());
     for (const auto& b : s_.buffers) normal[b.column] = b.normal;
-    for (std::size_t c = 0; c < count && c + 1 < s_.fit_offset.size(); ++c) {
-      double sum = 0.0, carried = 0.0;
+    ScalarArray sum(count, 0.0);
+    for (std::size_t c = 0; c < s_.fitted.size(); ++c)
       for (Index k = s_.fit_offset[c]; k < s_.fit_offset[c + 1]; ++k) {
         const Index a = s_.fit_index[k];
-        sum += s_.fit_weight[k];
-        carried += s_.fit_weight[k] * in_.void_fraction[a] / (q_[a].aw + q_[a].C) * normal[c].dot(push(a));
+        sum[c] += s_.fit_weight[k];
+        out.face_carry[c] += s_.fit_weight[k] * in_.void_fraction[a] / (q_[a].aw + q_[a].C) * normal[c].dot(push(a));
       }
-      if (sum > 0.0) out.face_carry[c] = carried / sum;
-    }
+    for (auto* of : {&out.face_flow, &out.face_carry, &sum}) domain_.sum(*of);
+    for (std::size_t c = 0; c < count; ++c) out.face_carry[c] = sum[c] > 0.0 ? out.face_carry[c] / sum[c] : 0.0;
   }
 
   /// Adds the flow through the sides of a cell towards buffers. It is divided among the columns of the same straight
@@ -632,6 +653,7 @@ class WindowSolver {
     if constexpr (D == 2)
       for (std::size_t i = 0; i < in_.sections.size(); ++i) out.section_flow[i] = flow_through(in_.sections[i], out);
   }
+  /// All ranks call this.
   [[nodiscard]] double flow_through(const Section<2>& section, const WindowSolution<D>& out) const {
     const Vec<D> along = section.to - section.from, left(-along[1], along[0]);
     // 1 if the line from x to y crosses the section from right to left, -1 the other way, 0 if it does not cross.
@@ -641,33 +663,36 @@ class WindowSolver {
       const double place = along.dot(x + here / (here - there) * (y - x) - section.from);
       return place < 0.0 || place > along.squaredNorm() ? 0.0 : here < 0.0 ? 1.0 : -1.0;
     };
-    const auto carried = [&](std::size_t a) { return Vec<D>(in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a)); };
+    VecArray<D> by_inertia(n_);
+    parallel_for(n_, [&](std::size_t a) { by_inertia[a] = in_.void_fraction[a] / (q_[a].aw + q_[a].C) * push(a); });
+    const auto carried = s_.template with_copies<Vec<D>>(by_inertia);
+    const auto pressure = s_.template with_copies<double>(out.pressure);
+    const std::size_t n = s_.n_particles;
     double flow = 0.0;
     for (std::size_t a = 0; a < n_; ++a) {
       const Vec<D>& x = s_.position[a];
       const double reach = cells_.empty() ? 2.0 * sph::support_radius * s_.length(a) : HUGE_VAL;
       if (std::abs(left.dot(x - section.from)) > reach * left.norm()) continue;
-      const Vec<D> own = carried(a);
+      const Vec<D>& own = carried[a];
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         // An image behind a wall stands for its original, to which the flow goes.
         const Index j = s_.other[k], q = s_.parent[j];
-        const double sign = crossed(x, s_.position[q]) * (q < n_ ? 0.5 : 1.0);  // a pair of particles is met twice
+        const double sign = crossed(x, s_.position[q]) * (q < n ? 0.5 : 1.0);  // a pair of particles is met twice
         if (sign == 0.0) continue;
-        const Vec<D> theirs = q >= n_ ? own : j < s_.n_base ? carried(q) : Vec<D>(s_.map[j - s_.n_base] * carried(q));
+        const Vec<D> theirs = q >= n ? own : j < s_.n_base ? carried[q] : Vec<D>(s_.map[j - s_.n_base] * carried[q]);
         flow +=
             sign * s_.volume[a] * s_.gradient_factor[k] * s_.amplified(a, q) * (own + theirs).dot(s_.position[j] - x);
-        if (q < n_ && cells_.empty())
-          flow += sign * static_cast<double>(fluid_.weight[k]) * (out.pressure[a] - out.pressure[q]);
+        if (q < n && cells_.empty()) flow += sign * static_cast<double>(fluid_.weight[k]) * (pressure[a] - pressure[q]);
       }
       for (std::size_t k = fluid_.begin(a); !cells_.empty() && k < fluid_.end(a); ++k)
         flow += 0.5 * crossed(x, s_.position[link_[k]]) * static_cast<double>(fluid_.weight[k]) *
                 (out.pressure[a] - out.pressure[link_[k]]);
       if (s_.beyond[a] == 0 && !cells_.has_cell(a)) continue;
-      for_faces(a, q_[a].kf, [&](Index, double w, double pressure, Index q) {
-        flow += crossed(x, s_.position[q]) * w * (out.pressure[a] - pressure);
+      for_faces(a, q_[a].kf, [&](Index, double w, double at_face, Index q) {
+        flow += crossed(x, s_.position[q]) * w * (pressure[a] - at_face);
       });
     }
-    return flow;
+    return domain_.sum(flow);
   }
 
   /// Distance to the water's surface [m]; 0 if it is out of reach.
@@ -759,7 +784,7 @@ class WindowSolver {
 
   /// Solves for water with rigid soil, free water, or water with a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
-    if (out.solid_velocity.is_allocated()) {
+    if (domain_.any(out.solid_velocity.is_allocated())) {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
       parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
@@ -900,8 +925,8 @@ class WindowSolver {
     ScalarArray preconditioner(n_, 1.0);
     std::vector<StiffPoint> points(s_.size());
     for (std::size_t j = 0; j < s_.size(); ++j)
-      if (const Index b = s_.parent[j]; b < n_ && responds(b))
-        points[j].x = {r_[b].M, s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
+      if (const Index b = s_.parent[j]; b < s_.n_particles && modulus_[b] > 0.0)
+        points[j].x = {modulus_[b], s_.amplification[b], j < n_ ? dry_skeleton_stiffness(j) : 0.0};
     const bool buffers = s_.n_base > s_.n_particles;
     for_pairs<StiffPoint::Row>(
         s_.rows(), PairInputs{points.data()},
@@ -919,7 +944,7 @@ class WindowSolver {
           pair.for_each([&](Index j, std::size_t k) {
             const Index b = s_.parent[j];
             if (b == a) own.turned += static_cast<double>(image_weight_[k]);
-            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - s_.n_particles].column])
+            if (buffers && b >= s_.n_particles && in_.face_holds[s_.buffers[b - s_.n_particles].column])
               own.held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k]) *
                           s_.amplified(a, b) * s_.reflection(a, b);
           });
@@ -952,7 +977,7 @@ class WindowSolver {
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
     // In a repeated window, stiffness resists only a departure from the last pass's velocity, whose force is known.
-    if (soil_.found_velocity.is_allocated()) {
+    if (domain_.any(soil_.found_velocity.is_allocated())) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a))
@@ -965,11 +990,12 @@ class WindowSolver {
                                 [](double y) { return y <= 0.0; })))
       return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
+    const auto yielding = s_.template with_copies<double>(soil_.plastic_shear_ratio.values());
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         if (image_weight_[k] == 0.0F) continue;
         const Index j = s_.other[k];
-        const double share = 0.5 * (soil_.plastic_shear_ratio[a] + soil_.plastic_shear_ratio[s_.parent[j]]);
+        const double share = 0.5 * (yielding[a] + yielding[s_.parent[j]]);
         if (share > 0.0) flow_[a] += share * static_cast<double>(image_weight_[k]) * (going[a] - going[j]);
       }
   }
@@ -1176,10 +1202,11 @@ class WindowSolver {
   int two_fields(std::span<const double> r, std::span<double> z, double tolerance) const {
     ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
     std::copy(r.begin(), r.end(), b.begin());
+    // The two fields stand one behind the other, so that each fetches its copies here.
     const auto apply = [&](std::span<const double> u, std::span<double> y) {
       between_iterations();
-      fluid_.apply(u.first(n_), y.first(n_));
-      skeleton_.apply(u.last(n_), y.last(n_));
+      fluid_.apply(s_.template with_copies<double>(u.first(n_)), y.first(n_));
+      skeleton_.apply(s_.template with_copies<double>(u.last(n_)), y.last(n_));
       for (std::size_t a = 0; a < n_; ++a) {
         const double t = storage_[a] * (u[a] - u[n_ + a]);
         y[a] += t;
@@ -1206,7 +1233,8 @@ class WindowSolver {
       }
     };
     const double whole = domain_.norm(b);
-    const auto report = reduce_residual(domain_, apply, precondition, std::move(b), x, tolerance * whole, 2000);
+    const auto report =
+        reduce_residual(domain_.of_sums(), apply, precondition, std::move(b), x, tolerance * whole, 2000);
     std::copy(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n_), z.begin());
     return report.iterations;
   }
@@ -1240,8 +1268,7 @@ class WindowSolver {
   void flow_past_edge(WindowSolution<D>& out, VecArray<D>& flux) const {
     VecArray<D> change(n_), followed(n_, Vec<D>::Zero());
     parallel_for(n_, [&](std::size_t a) { change[a] = carried(a) + q_[a].e * out.solid_velocity[a] - flux_before(a); });
-    edge_.add_to_flux(
-        out.pressure, [&](std::size_t a) { return q_[a].kf; }, flux);
+    edge_.add_to_flux(out.pressure, flux);
     edge_.follow(change, followed);
     out.at_edge.assign(n_, 0);
     parallel_for(n_, [&](std::size_t a) {
@@ -1261,6 +1288,7 @@ class WindowSolver {
   Eliminations<D> q_;
   SoilEdge<D> edge_;         ///< empty where no soil lies under free water
   std::vector<Response> r_;  ///< empty if no skeleton responds
+  ScalarArray modulus_;      ///< [particles] Pa, see find_moduli
   std::vector<char> open_;   ///< [n] 1 where a surface or a face is within reach
   /// A body of water whose mean pressure nothing prescribes: its particles on this rank, and their number on all ranks.
   struct ClosedBody {
@@ -1274,7 +1302,8 @@ class WindowSolver {
   BeddedCells<D> cells_;                      ///< empty where the soil has no beds
   std::vector<Index> link_offset_{0}, link_;  ///< pairs of the matrix where the soil has beds
   PairMatrix fluid_, skeleton_, plain_;
-  MatArray<D> stretch_;  ///< [n] S of even_out_directions
+  ScalarArray number_;   ///< [particles] as SoilView::number; empty where no soil is at rest
+  MatArray<D> stretch_;  ///< [particles] S of even_out_directions
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< pressure at the start; diagonal and right-hand side without
                                                        ///< cavitation

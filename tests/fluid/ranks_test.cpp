@@ -1,5 +1,6 @@
 // Water on two ranks moves as on one. Each rank has a body of water of its own, out of the other's reach, so that no
-// values pass between them: what differs from one rank was decided by one rank alone.
+// values pass between them: what differs from one rank was decided by one rank alone. Water that crosses from rank to
+// rank, and faces through which it passes: tests/tiles.
 #include "tests/particles/ranks.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -33,12 +34,11 @@ Case dry() {
 /// The first of these regions of water belongs to rank 0, the second to rank 1.
 using Regions = std::array<Shape, 2>;
 
-/// The scene as a rank sees it: with its own water. Rank 0 has the water faces left of x = 0.5 m, rank 1 the others.
+/// The scene as a rank sees it: with its own water.
 Case part_of(const Case& scene, std::size_t rank, const std::vector<Shape>& regions) {
   Case own = scene;
   own.fluid.regions = regions;
   own.fluid.seed += static_cast<unsigned>(rank);
-  std::erase_if(own.water_faces, [&](const WaterFace& face) { return (face.face.points[0].x() < 0.5) != (rank == 0); });
   return own;
 }
 
@@ -124,37 +124,6 @@ TEST(FluidOnRanks, TwoDamsBreakAsOnOne) {
   expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.15), box(1.0, 0.0, 1.05, 0.3)});
 }
 
-TEST(FluidOnRanks, WaterSeepsThroughTwoBlocksAsOnOne) {
-  Case scene = dry();
-  for (const double left : {0.0, 1.0}) {
-    const double depth = left > 0.0 ? 0.18 : 0.12;
-    scene.soils.push_back(sand());
-    scene.soils.back().hydraulic_conductivity = left > 0.0 ? 1e-3 : 2e-3;
-    scene.soils.back().shape = box(left, 0.0, left + 0.2, 0.2);
-    scene.walls.push_back(wall(line(left, 0.0, left + 0.2, 0.0)));
-    scene.water_faces.push_back(head_face(line(left, 0.2, left, 0.0), depth));
-    scene.water_faces.push_back(pressure_face(line(left + 0.2, 0.0, left + 0.2, 0.2), 0.0));
-  }
-  expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.12), box(1.0, 0.0, 1.1, 0.18)});
-}
-
-/// Soil at rest that is full of water, whose points are evened out by displacements of their own; these are found to a
-/// hundredth.
-TEST(FluidOnRanks, FullSoilStaysFullAsOnOne) {
-  Case scene = dry();
-  scene.fluid.pressure_tolerance = 1e-11;
-  for (const double left : {0.0, 1.0}) {
-    const double right = left + (left > 0.0 ? 0.1 : 0.2);
-    scene.soils.push_back(sand());
-    scene.soils.back().shape = box(left, 0.0, right, 0.1);
-    scene.walls.push_back(wall(line(left, 0.0, right, 0.0)));
-    scene.walls.push_back(wall(line(right, 0.1, left, 0.1)));
-    scene.water_faces.push_back(head_face(line(left, 0.1, left, 0.0), 0.3));
-    scene.water_faces.push_back(head_face(line(right, 0.0, right, 0.1), 0.2));
-  }
-  expect_the_same(scene, {box(0.0, 0.0, 0.2, 0.1), box(1.0, 0.0, 1.1, 0.1)}, {.most = 1e-2, .most_of_windows = 1e-2});
-}
-
 /// Water in two columns of soil that gives way under a load: pressure and skeleton are solved together. The bound is
 /// that of the solve of both, whose tolerance is 1e-4; iterations that differ from rank to rank end the run.
 TEST(FluidOnRanks, ASkeletonRespondsAsOnOne) {
@@ -198,32 +167,6 @@ TEST(FluidOnRanks, ASkeletonRespondsAsOnOne) {
   };
   expect_the_same(scene, {box(0.0, 0.0, 0.04, 0.2), box(1.0, 0.0, 1.04, 0.12)},
                   {.most = 1e-2, .interval = 2e-4, .most_of_windows = 0.1, .sent = sent});
-}
-
-TEST(FluidOnRanks, SeepageAndADamThatBreaks) {
-  Case scene = dry();
-  scene.soils = {sand()};
-  scene.soils[0].shape = box(0.0, 0.0, 0.2, 0.2);
-  scene.walls = {wall(line(0.0, 0.0, 0.2, 0.0))};
-  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.15), pressure_face(line(0.2, 0.0, 0.2, 0.2), 0.0)};
-  add_basin(1.0, 1.3, scene);
-  expect_the_same(scene, {box(0.0, 0.0, 0.1, 0.15), box(1.0, 0.0, 1.1, 0.2)});
-}
-
-TEST(FluidOnRanks, ADryRankTakesPart) {
-  Case scene = dry();
-  add_basin(0.0, 0.4, scene);
-  scene.soils = {sand()};
-  scene.soils[0].shape = box(1.0, 0.0, 1.2, 0.2);
-  scene.water_faces = {pressure_face(line(1.2, 0.0, 1.2, 0.2), 0.0)};
-  ThreadRanks two(2);
-  two.run([&](std::size_t rank, const Ranks& ranks) {
-    const std::vector<Shape> water = {box(0.0, 0.0, 0.1, 0.15)};
-    Fluid<2> fluid(part_of(scene, rank, rank == 0 ? water : std::vector<Shape>()), Domain(ranks, 0, 0));
-    fluid.initialise({});
-    for (std::uint64_t step = 0; step < 3; ++step) fluid.advance({step, 1e-3 * static_cast<double>(step), 1e-3}, {});
-    EXPECT_EQ(fluid.state().particles.size() > 0, rank == 0);
-  });
 }
 
 /// Explicit sweeps have limits of their own.

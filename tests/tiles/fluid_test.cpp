@@ -2,34 +2,12 @@
 // its own particles, by their ids, with those of the whole.
 #include "fluid_solver/fluid.hpp"
 #include "common/core/error.hpp"
-#include "common/tiles/mpi_tiling.hpp"
-#include "fluid_solver/fluid_phase.hpp"
-#include "tests/fluid/scenes.hpp"
-#include "tests/tiles/shared.hpp"
+#include "tests/tiles/water.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <set>
 
 namespace poretwin::fluid::test {
 namespace {
-
-using tiles::across;
-using tiles::all_ranks;
-using tiles::MpiTiling;
-
-constexpr double dx = 0.02;
-
-Case still() {
-  Case scene;
-  scene.solid.model = SolidCase::Model::rigid;
-  scene.fluid.particle_spacing = dx;
-  scene.fluid.pressure_tolerance = 1e-14;
-  scene.fluid.jitter = 0.1;  // no sums whose order does not matter
-  return scene;
-}
 
 /// Water of this shape in an open tank with a floor from 0 to `length` [m].
 Case tank(double length, Shape water) {
@@ -47,87 +25,6 @@ void add_full_box(double left, double right, double height, Case& scene) {
                            line(right, height, left, height)})
     scene.walls.push_back(wall(side));
 }
-
-/// Largest differences between particles and those of the whole water: of position over the spacing, of velocity and
-/// pressure over the largest value of the whole.
-struct Errors {
-  double position = 0.0, velocity = 0.0, pressure = 0.0;
-  [[nodiscard]] double largest() const { return std::max({position, velocity, pressure}); }
-  void print(const char* who, double time) const {
-    if (all_ranks().rank() == 0)
-      std::printf("%d ranks, t = %.3g s: %s: position %.1e, velocity %.1e, pressure %.1e\n", all_ranks().size(), time,
-                  who, position, velocity, pressure);
-  }
-};
-
-/// id_of(k): which particle of the whole water particle k is. Masses must be equal to the bit.
-template <int D, class IdOf>
-Errors differences(const Particles<D>& whole, const Particles<D>& part, double spacing, const IdOf& id_of) {
-  Errors error;
-  double fastest = 0.0, most_pressed = 0.0;
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    fastest = std::max(fastest, whole.velocity[i].norm());
-    most_pressed = std::max(most_pressed, std::abs(whole.pressure[i]));
-  }
-  const auto differ = [](double& found, double by, double over) {
-    if (!(by <= found * over)) found = by / over;
-  };
-  for (std::size_t k = 0; k < part.size(); ++k) {
-    const std::size_t i = id_of(k);
-    EXPECT_EQ(part.mass[k], whole.mass[i]) << "particle " << i;
-    EXPECT_EQ(part.surface[k], whole.surface[i]) << "particle " << i;
-    EXPECT_EQ(part.closed_body[k] > 0, whole.closed_body[i] > 0) << "particle " << i;
-    EXPECT_NEAR(part.void_volume[k], whole.void_volume[i], 1e-6 * whole.volume[i]) << "particle " << i;
-    differ(error.position, (part.position[k] - whole.position[i]).norm(), spacing);
-    differ(error.velocity, (part.velocity[k] - whole.velocity[i]).norm(), fastest);
-    differ(error.pressure, std::abs(part.pressure[k] - whole.pressure[i]), most_pressed);
-  }
-  return error;
-}
-
-/// Kernels and the matrix are stored in single precision. Where positions differ by rounding, some of these round the
-/// other way, and a difference of 1e-16 becomes one of 1e-8. So does that between one rank and the same water under a
-/// gravity that differs by 1e-14 (`twin`).
-constexpr double scatter = 1e-6;
-
-template <int D>
-struct Shared : tiles::SharedAndWhole<Fluid<D>, D> {
-  using Base = tiles::SharedAndWhole<Fluid<D>, D>;
-  using Base::Base, Base::part, Base::whole, Base::step;
-  /// Advances both by the windows that the whole proposes, of at most `longest` [s].
-  void run(std::size_t windows, double longest = HUGE_VAL) {
-    for (std::size_t k = 0; k < windows; ++k, ++step) {
-      const double dt = std::min(whole.proposal().first, longest), time = whole.state().time;
-      EXPECT_NEAR(std::min(part.proposal().first, longest), dt, 1e-6 * dt);
-      whole.advance({step, time, dt}, {});
-      part.advance({step, time, dt}, {});
-    }
-  }
-  /// Differences on all ranks. Expects that every particle is on one rank.
-  Errors errors() const {
-    const Particles<D>& own = part.state().particles;
-    Errors error = differences<D>(whole.state().particles, own, part.setup().spacing,
-                                  [&](std::size_t k) { return own.share.ids[k]; });
-    this->expect_each_particle_on_one_rank();
-    const auto& domain = part.setup().domain;
-    for (double* one : {&error.position, &error.velocity, &error.pressure}) *one = domain.max(*one);
-    error.print("shared", part.state().time);
-    const Counts &one = whole.state().counts, &all = part.state().counts;
-    if (all_ranks().rank() == 0)
-      std::printf("iterations %g and %g, cycles of multigrid %g and %g, unconverged %g and %g\n",
-                  one.pressure_iterations, all.pressure_iterations, one.multigrid_cycles, all.multigrid_cycles,
-                  one.unconverged, all.unconverged);
-    EXPECT_EQ(all.unconverged, one.unconverged);
-    return error;
-  }
-  /// Ten windows without a difference beyond rounding, and ten more.
-  void expect_as_whole(double longest) {
-    run(10, longest);
-    EXPECT_LT(errors().largest(), 1e-9);
-    run(10, longest);
-    EXPECT_LT(errors().largest(), scatter);
-  }
-};
 
 /// The initial pressure is solved for to pressure::initial_tolerance.
 constexpr double as_solved_first = 1e-7;
@@ -400,11 +297,8 @@ TEST(SharedWater, RefusesWhatItCannotCompute) {
   Case scene = possible;
   scene.soils = {sand()};
   scene.soils[0].shape = box(0.5, 0.0, 0.6, 0.1);
-  expect_refused(scene, "[[soil]]");
-  scene = possible;
-  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.2)};
-  scene.water_faces[0].name = "sea";
-  expect_refused(scene, "[[water_face]] \"sea\"");
+  scene.soils[0].anisotropy = 10.0;
+  expect_refused(scene, "soil.anisotropy");
   scene = possible;
   scene.fluid.scheme = FluidCase::Scheme::eisph;
   expect_refused(scene, "fluid.scheme");
@@ -418,6 +312,11 @@ TEST(SharedWater, RefusesWhatItCannotCompute) {
   scene = possible;
   scene.gauges = {gauge("balance", "unexplained_impulse")};
   expect_refused(scene, "[[gauge]] \"balance\"");
+  scene = possible;
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.5, 0.0, 0.6, 0.1);
+  scene.solid.model = SolidCase::Model::elastic;
+  EXPECT_THROW(make_shared_fluid<2>(scene, std::make_shared<MpiTiling<2>>(all_ranks(), 0.2)), CaseError);
   Fluid<2> fluid(possible, std::make_shared<MpiTiling<2>>(all_ranks(), 0.2));
   Archive archive;
   EXPECT_THROW(fluid.archive(archive), Error);

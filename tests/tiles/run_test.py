@@ -148,8 +148,8 @@ class Tiles(unittest.TestCase):
         self.assertIn("not enough slots", ended.stderr)
 
     def test_refuses_what_it_cannot_compute(self):
-        for case, more, text in (("embankment_seepage", ["--tiles", "2"], "--tiles 2: expected a case of dry soil or of water alone, found both"),
-                                 ("terzaghi", ["--tiles", "2"], "expected a case of dry soil or of water alone, found both"),
+        for case, more, text in (("embankment_seepage", ["--tiles", "2"], "--tiles 2: expected a case of dry soil, or of water without soil or in rigid soil, found water in soil that moves"),
+                                 ("infiltration_vertical", ["--tiles", "2", "--set", "fluid.representation=\"field\""], "found fluid.representation"),
                                  ("column_collapse", ["--tiles", "0"], "--tiles"),
                                  ("column_collapse", ["--tiles", "2", "--solid", "mine"], "--solid"),
                                  ("column_collapse", ["--hosts", __file__], "--hosts: machines for the processes of --tiles: expected --tiles P"),

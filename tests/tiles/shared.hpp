@@ -2,11 +2,13 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/coupling/exchange.hpp"
 #include "common/tiles/mpi_tiling.hpp"
 #include "tests/tiles/ranks.hpp"
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <set>
 #include <utility>
@@ -15,10 +17,16 @@ namespace poretwin::tiles {
 
 template <class Part, int D>
 struct SharedAndWhole {
-  SharedAndWhole(const Case& scene, std::shared_ptr<MpiTiling<D>> tiles)
-      : tiling(std::move(tiles)), whole(scene), part(scene, tiling) {
-    whole.initialise({});
-    part.initialise({});
+  /// What the other phase sends to particles at these places in a window; absent: there is no other phase.
+  using Sent = std::function<coupling::Inbox(const VecArray<D>& places)>;
+
+  SharedAndWhole(const Case& scene, std::shared_ptr<MpiTiling<D>> tiles, Sent what = {})
+      : tiling(std::move(tiles)), sent(std::move(what)), whole(scene), part(scene, tiling) {
+    whole.initialise(inbox(whole));
+    part.initialise(inbox(part));
+  }
+  [[nodiscard]] coupling::Inbox inbox(const Part& of) const {
+    return sent ? sent(of.state().particles.position) : coupling::Inbox();
   }
   void expect_each_particle_on_one_rank() const {
     const auto ids = all_ranks().gather_all(part.state().particles.share.ids);
@@ -28,6 +36,7 @@ struct SharedAndWhole {
   [[nodiscard]] double left() const { return part.setup().domain.sum(static_cast<double>(tiling->left())); }
 
   std::shared_ptr<MpiTiling<D>> tiling;
+  Sent sent;
   Part whole, part;
   std::uint64_t step = 0;
 };
