@@ -51,7 +51,9 @@ coupling::Contract Fluid<D>::contract() const {
   if (setup_.responds)
     for (auto& spec : takes)
       spec.found = spec.name == coupling::field::mean_solid_velocity || spec.name == coupling::field::unbalanced_force;
-  return {D, setup_.digest, coupling::standard_fields(coupling::Role::fluid, D), std::move(takes)};
+  auto gives = coupling::standard_fields(coupling::Role::fluid, D);
+  if (setup_.soil_erodes) std::ranges::move(coupling::free_water_fields(D), std::back_inserter(gives));
+  return {D, setup_.digest, std::move(gives), std::move(takes)};
 }
 
 template <int D>
@@ -59,6 +61,7 @@ coupling::Publication Fluid<D>::publish() const {
   const auto still = still_water<D>(setup_, faces_, walls_.planes, state_);
   const auto cloud = make_cloud<D>(state_, walls_, setup_.weight, setup_.origin, std::span<const StillWater<D>>(still));
   auto out = publication<D>(cloud, state_);
+  if (setup_.soil_erodes) add_free_water<D>(setup_, cloud, out);
   std::tie(out.proposed_interval, out.limited_by) = proposal();
   return out;
 }

@@ -112,6 +112,7 @@ Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices, const D
       responds(coupled && scene.fluid.skeleton_response && is_projection()),
       computes_beside(scene.coupling.scheme == CouplingCase::Scheme::parallel),
       soil_yields(scene.can_yield()),
+      soil_erodes(scene.erodes()),
       drag(scene.fluid.drag),
       ground(scene),
       one_soil(ground.contrast() < porous::one_conductivity),

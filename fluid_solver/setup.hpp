@@ -66,6 +66,7 @@ struct Setup {
   bool responds = false;                     ///< the skeleton responds inside the pressure solve
   bool computes_beside = false;              ///< the soil is computed at the same time as the water (parallel scheme)
   bool soil_yields = false;                  ///< some soil moves and can yield
+  bool soil_erodes = false;                  ///< free water carries off some soil
   bool drag = true;                          ///< the phases exert drag on each other
   std::optional<SmoothedDrag<D>> smoothed_drag;
 

@@ -2,6 +2,7 @@
 
 #include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
+#include "solid_solver/erosion/erosion.hpp"
 #include "solid_solver/exchange/publication.hpp"
 #include "solid_solver/output/gauges.hpp"
 #include "solid_solver/output/report.hpp"
@@ -63,6 +64,13 @@ Outcome Solid<D>::advance(const Window& requested, const Inbox& inbox) {
   expect_bearable_pressure(setup_, state_.particles);
   quasi_static_.begin_window();
   const WaterInput<D> water = take_water(setup_, inbox, window, cache_, state_);
+  Outcome outcome = cross(window, water);
+  if (outcome.accepted) erode(setup_, window.interval, water.free_velocity, state_);
+  return outcome;
+}
+
+template <int D>
+Outcome Solid<D>::cross(const Window& window, const WaterInput<D>& water) {
   const CrossedAs crossed = way_through(setup_, state_, window.interval);
   Tracking<D> tracking = make_tracking(setup_, state_, window, crossed, water, quasi_static_.found(), cache_);
   if (sleeps_on(setup_, window, water, tracking.drive, state_)) return Outcome::accept();
@@ -108,6 +116,7 @@ Contract Solid<D>::contract() const {
   Contract out{D, digest_, standard_fields(Role::solid, D),
                standard_fields(Role::fluid, D, setup_.water.is_field ? WaterAs::field : WaterAs::particles)};
   if (setup_.water.has_basins()) out.takes.push_back(basin_level_field());
+  if (setup_.erodes) out.takes.push_back(free_water_fields(D).front());
   return out;
 }
 

@@ -38,6 +38,9 @@ class Solid final : public Phase {
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:
+  /// Computes the soil's motion in a window.
+  coupling::Outcome cross(const coupling::Window& window, const WaterInput<D>& water);
+
   Solid(const Case& scene, std::pair<Setup<D>, Particles<D>> made);
 
   std::string digest_;  ///< of the case

@@ -302,6 +302,9 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene, const Domain& domain
     setup.contact_volume.push_back(soil.contact_porosity ? solid / (1.0 - *soil.contact_porosity)
                                                          : std::numeric_limits<double>::infinity());
     setup.loose_friction.push_back(grains && scene.solid.regular_flow ? static_cast<float>(*grains) : 0.0F);
+    setup.erosion.push_back(soil.erosion ? std::optional(porous::Erosion(*soil.erosion, scene.water.density))
+                                         : std::nullopt);
+    setup.erodes = setup.erodes || soil.erosion.has_value();
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = lay<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                 scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));

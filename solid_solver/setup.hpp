@@ -1,6 +1,7 @@
 // The properties that stay constant during a run: the quantities of the case in the form that the solver uses.
 #pragma once
 
+#include "common/media/erosion_law.hpp"
 #include "common/media/seepage.hpp"
 #include "common/particles/domain.hpp"
 #include "common/particles/tiling.hpp"
@@ -125,7 +126,9 @@ struct Setup {
   /// Bulk volume over its initial value above which the grains do not touch and carry no stress, one per soil;
   /// infinite where they touch at the start.
   ScalarArray contact_volume;
-  std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: its grains never come apart
+  std::vector<float> loose_friction;  ///< tan phi of collisions, one per soil; 0: its grains never come apart
+  std::vector<std::optional<porous::Erosion>> erosion;  ///< one per soil: how free water erodes it; empty: it does not
+  bool erodes = false;                                  ///< free water erodes some soil
   std::vector<char> softened_by_water;  ///< one per soil: 1 where the cohesion depends on the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };

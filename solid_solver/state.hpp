@@ -275,6 +275,15 @@ struct External {
                                       ///< window
 };
 
+/// What free water has eroded so far (erosion/erosion.hpp). The arrays are empty where no soil erodes.
+struct Eroded {
+  ScalarArray share;                ///< share of its volume that each particle has lost; at 1 it leaves
+  ScalarArray shear_stress;         ///< Pa, of the water at each particle in the last window
+  std::vector<Index> first_number;  ///< number that each particle had at time zero
+  double grains = 0.0;              ///< m^D, volume of the grains that have been carried off
+  double particles = 0.0;           ///< counter: particles that have been carried off
+};
+
 /// Sleep of the soil as a whole: particles do not move. The members are the values when the soil fell asleep.
 template <int D>
 struct Sleep {
@@ -436,6 +445,7 @@ struct State {
   Sleep<D> sleep;
   Regions<D> regions;
   Motion motion;
+  Eroded erosion;
   ScalarArray resistance;     ///< N/m, resistance added by the window for which the stiffness was last factorised
   bool still_yields = false;  ///< soil has yielded since it was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the last correction by keep_flow_regular

@@ -12,6 +12,7 @@
 #include "common/core/hash.hpp"
 #include "common/geometry/extent.hpp"
 #include "common/geometry/solid.hpp"
+#include "common/media/erosion_law.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
@@ -297,6 +298,30 @@ void declare(Keys& keys, RetentionCase& r) {
               {"1", fmt::format("Relative permeability against pressure head [m], likewise ({}).", with_tables)});
 }
 
+void declare(Keys& keys, ErosionCase& e) {
+  std::string meaning = "Speed E at which the surface retreats, against the shear stress tau of the water.";
+  std::vector<std::pair<std::string_view, const porous::ErosionLaw*>> laws;
+  for (const auto& law : porous::erosion_laws()) {
+    meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
+    laws.emplace_back(law.name, &law);
+  }
+  if (!e.law) e.law = laws.front().second;
+  keys.choice<const porous::ErosionLaw*>("model", e.law, laws, {"", meaning + "."});
+  keys.number(
+      "friction_factor", e.friction_factor,
+      {"",
+       "f of Darcy and Weisbach: water with the mean velocity u over its depth shears the surface by tau = f / 8 "
+       "rho u^2. From Manning's n and the depth h: f = 8 g n^2 / h^(1/3).",
+       true},
+      positive());
+  std::set<std::string> declared;  // where several laws have a key, the first one's declaration counts
+  for (const auto& law : porous::erosion_laws())
+    for (const auto& p : law.parameters) {
+      if (!declared.insert(p.key).second) continue;
+      keys.number(p.key, e.numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning}, not_negative());
+    }
+}
+
 void declare(Keys& keys, Soil& s) {
   keys.text("name", s.name, {"", "Name, for messages."});
   declare(keys, s.shape);
@@ -341,6 +366,10 @@ void declare(Keys& keys, Soil& s) {
                       "How much water the soil keeps under suction, and how well it then conducts; absent: no "
                       "capillarity. With fluid.representation = \"field\".",
                       s.retention, [](Keys& inner, RetentionCase& retention) { declare(inner, retention); });
+  keys.optional_table("erosion",
+                      "How free water that runs over the soil carries its surface off; absent: it does not. In 2D, "
+                      "where soil and water are particles.",
+                      s.erosion, [](Keys& inner, ErosionCase& erosion) { declare(inner, erosion); });
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
@@ -1002,6 +1031,10 @@ double constrained_modulus(const Case& scene, const Soil& soil) {
     heaviest = std::max(heaviest, (1.0 - other.porosity) * other.grain_density * g);
   }
   return constrained_modulus(scene.model_of(soil), soil, 0.5 * heaviest * (top - bottom));
+}
+
+bool Case::erodes() const {
+  return std::ranges::any_of(soils, [](const Soil& soil) { return soil.erosion.has_value(); });
 }
 
 bool Case::can_yield() const {

@@ -94,6 +94,7 @@ struct Water {
 namespace porous {
 struct SeepageLaw;
 struct RetentionLaw;
+struct ErosionLaw;
 }  // namespace porous
 
 /// Name of a material (materials.hpp), or `rigid` for soil that does not move.
@@ -112,6 +113,13 @@ struct RetentionCase {
   double residual_water_content = 0.0;                 ///< theta_r: volume of water per volume left under suction
   std::map<std::string, double, std::less<>> numbers;  ///< parameters of the law, by key
   std::optional<Series> saturation, permeability;      ///< law `table`: S_e and k_r against pressure head [m]
+};
+
+/// [soil.erosion]: how free water that runs over the soil carries its surface off.
+struct ErosionCase {
+  const porous::ErosionLaw* law = nullptr;             ///< law; nullptr: the first of `porous::erosion_laws`
+  double friction_factor = 0.0;                        ///< f of Darcy and Weisbach, tau = f / 8 rho u^2
+  std::map<std::string, double, std::less<>> numbers;  ///< parameters of the law, by key
 };
 
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the seepage law
@@ -133,6 +141,7 @@ struct Soil {
   double grain_density = 2600.0;                    ///< kg/m3, density of the grains themselves, rho_s
   const porous::SeepageLaw* seepage_law = nullptr;  ///< nullptr: the first of `porous::seepage_laws`
   std::optional<RetentionCase> retention;           ///< absent: no capillarity
+  std::optional<ErosionCase> erosion;               ///< absent: free water carries nothing off
   double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s; for soil in beds, along the beds
   double anisotropy = 1.0;                          ///< conductivity along the beds over that across them
   Point3 bedding_normal = Point3::Zero();           ///< direction across the beds; zero: along gravity
@@ -414,6 +423,8 @@ struct Case {
   [[nodiscard]] MaterialName model_of(const Soil& soil) const { return soil.model.value_or(solid.model); }
   /// Some soil can yield.
   [[nodiscard]] bool can_yield() const;
+  /// Whether free water carries off some soil of the case.
+  [[nodiscard]] bool erodes() const;
   /// The water is a field on the points of the soil.
   [[nodiscard]] bool is_field() const { return fluid.representation == FluidCase::Representation::field; }
   /// The water is particles where it is free, and a field in the soil.

@@ -19,6 +19,7 @@
 #include "common/geometry/overlap.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/surfaces.hpp"
+#include "common/media/erosion_law.hpp"
 #include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
@@ -308,6 +309,7 @@ class Checker : Complaints {
                          soil.porosity, *soil.maximum_void_ratio));
       contact_of(soil, key);
       seepage(soil, key);
+      erosion(soil, key);
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
@@ -328,6 +330,40 @@ class Checker : Complaints {
         fail(key + ".hydraulic_conductivity",
              fmt::format("the law \"{}\" finds the conductivity itself; another law takes it as given", law.name));
     }
+  }
+
+  /// Checks that free water which can erode a soil is computed beside it, and the parameters of its law.
+  void erosion(const Soil& soil, const std::string& key) const {
+    if (!soil.erosion) return;
+    const std::string here = key + ".erosion";
+    if (scene_.general.dimension == 3) fail(here, "erosion is computed in 2D only: expected none in 3D");
+    if (!scene_.deformable())
+      fail(here, fmt::format("soil that loses its surface must be computed: expected solid.model = \"elastic\" or a "
+                             "material that can yield, found \"{}\"",
+                             scene_.solid.model.name));
+    if (!scene_.has_water() || scene_.is_field())
+      fail(here, fmt::format("only free water erodes: expected [[fluid.region]] and fluid.representation = "
+                             "\"particles\", found {}",
+                             scene_.is_field() ? "water as a field" : "no water"));
+    if (scene_.coupling.scheme == CouplingCase::Scheme::parallel || !scene_.predicts())
+      fail(scene_.predicts() ? "coupling.scheme" : "fluid.skeleton_response",
+           fmt::format("soil from which particles leave has other points at a window's end than at its start: expected "
+                       "{}",
+                       scene_.predicts() ? "\"iterated\" or \"serial\"" : "true"));
+    if (!scene_.loads.empty())
+      fail("load[0]",
+           "loads act on particles of the soil's surface, which erosion carries off: expected none beside "
+           "[soil.erosion]");
+    for (const auto& law : porous::erosion_laws())
+      for (const auto& p : law.parameters) {
+        const bool mine = &law == soil.erosion->law;
+        if (mine && p.needed && !(soil.erosion->numbers.at(p.key) > 0.0))
+          fail(here + "." + p.key,
+               fmt::format("the law \"{}\" needs it, a positive number of {}, found none", law.name, p.unit));
+        if (!mine && given(here + "." + p.key) &&
+            std::ranges::none_of(soil.erosion->law->parameters, [&](const auto& own) { return own.key == p.key; }))
+          fail(here + "." + p.key, fmt::format("belongs to erosion.model = \"{}\"", law.name));
+      }
   }
 
   /// Whether a wall within one spacing of the particles supports their soil: one that faces upwards, or a vertical one

@@ -20,6 +20,12 @@ std::string_view to_string(Mapping mapping) {
 
 std::string_view to_string(Role role) { return role == Role::fluid ? "fluid" : "solid"; }
 
+std::vector<FieldSpec> free_water_fields(int dimension) {
+  const std::string share(field::free_share);
+  return {{std::string(field::free_velocity), "m/s", dimension, Mapping::consistent, share},
+          {share, "1", 1, Mapping::consistent, {}}};
+}
+
 namespace {
 
 const Field& named(const std::vector<Field>& fields, std::string_view name) {

@@ -57,6 +57,9 @@ inline constexpr std::string_view spreading_rate =
     "spreading_rate";  // 1/s, expansion of the mixture that strains no skeleton
 inline constexpr std::string_view basin_level =
     "basin_level";  // m, of the water behind the nearest face with a basin (only in cases with such faces)
+inline constexpr std::string_view free_velocity =
+    "free_velocity";                                          // m/s, of free water (only in cases whose soil erodes)
+inline constexpr std::string_view free_share = "free_share";  // mask: 1 in free water, 0 inside soil (likewise)
 // solid -> fluid
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
@@ -83,6 +86,9 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension, WaterAs water 
 
 /// The level of basins behind faces, which a field of pore water gives in addition in a case with basins.
 inline FieldSpec basin_level_field() { return {std::string(field::basin_level), "m", 1, Mapping::consistent, {}}; }
+
+/// The velocity of free water and its mask, which water as particles gives in addition where the soil erodes.
+std::vector<FieldSpec> free_water_fields(int dimension);
 
 /// The properties on which both sides must agree before the first window.
 struct Contract {

@@ -278,6 +278,37 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
   return out;
 }
 
+template <int D>
+void add_free_water(const Setup<D>& setup, const Cloud<D>& cloud, coupling::Publication& out) {
+  coupling::Field velocity{std::string(coupling::field::free_velocity), D, {}};
+  coupling::Field share{std::string(coupling::field::free_share), 1, ScalarArray(cloud.size(), 0.0)};
+  VecArray<D> free;  // the free particles: positions, velocities
+  VecArray<D> moving;
+  for (std::size_t a = 0; a < cloud.size(); ++a) {
+    if (cloud.owner[a] >= 0.0) share.values[a] = 1.0 - cloud.mask[a];  // buffers may lie behind soil
+    if (!(share.values[a] > 0.5)) continue;
+    free.push_back(cloud.position[a]);
+    moving.push_back(cloud.velocity[a]);
+  }
+  const double length = points::smoothing_ratio * setup.spacing, reach = sph::support_radius * length;
+  sph::CellGrid<D> grid;
+  grid.build(free, reach);
+  velocity.values.resize(cloud.size() * D, 0.0);
+  parallel_for(cloud.size(), [&](std::size_t a) {
+    if (share.values[a] == 0.0) return;
+    Vec<D> sum = Vec<D>::Zero();
+    double whole = 0.0;
+    grid.for_each_within(cloud.position[a], reach, [&](Index b, double r2) {
+      const double weight = Kernel<D>::value(std::sqrt(r2), length) * moving[b].norm();
+      sum += weight * moving[b];
+      whole += weight;
+    });
+    if (whole > 0.0) Eigen::Map<Vec<D>>(velocity.values.data() + a * D) = sum / whole;
+  });
+  out.fields.push_back(std::move(velocity));
+  out.fields.push_back(std::move(share));
+}
+
 #define PORETWIN_INSTANTIATE(D)                                                                                        \
   template void fit_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                         \
   template void fit_columns_to_pores(const Setup<D>& setup, State<D>& state);                                          \
@@ -299,6 +330,7 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
                                   std::span<const Vec<D>> of_prediction, double interval, State<D>& state);            \
   template void predict_explicitly(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,   \
                                    double interval, Particles<D>& p);                                                  \
+  template void add_free_water(const Setup<D>& setup, const Cloud<D>& cloud, coupling::Publication& out);              \
   template coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

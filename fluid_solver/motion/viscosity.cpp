@@ -41,8 +41,20 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   ScalarArray is_carried(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
     const bool own = viscosity(setup, state.particles.wave_speed[a]) <= setup.kinematic_viscosity;
-    is_carried[a] = !own && damped[a] && state.particles.in_seepage[a] == 0 ? 1.0 : 0.0;
+    const bool slips = setup.soil_erodes || state.particles.in_seepage[a] == 0;
+    is_carried[a] = !own && damped[a] && slips ? 1.0 : 0.0;
   });
+  // Past soil that erodes the velocity jumps: beside it the gradient, which contains the jump, is not that of the free
+  // water. It would make the row beside the soil lag behind the others by a quarter.
+  const auto beside_jump = [&](std::size_t a) {
+    if (!setup.soil_erodes || is_carried[a] != 0.0) return false;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && is_carried[q] != 0.0) return true;
+    return false;
+  };
+  ScalarArray has_gradient(s.n_real, 1.0);
+  if (setup.soil_erodes) parallel_for(s.n_real, [&](std::size_t a) { has_gradient[a] = beside_jump(a) ? 0.0 : 1.0; });
+  const auto smooth = s.template with_copies<double>(has_gradient);
   const auto gradients = s.with_copies(velocity_gradient);
   const auto wave_speeds = s.template with_copies<double>(state.particles.wave_speed);
   const auto carried = s.template with_copies<double>(is_carried);
@@ -73,7 +85,7 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
     // Numerical viscosity is no property of the water, and need not be exact: only the water's own is amplified.
     const bool own = shear <= setup.kinematic_viscosity;
     row[D + at_shear] = shear * (own ? s.amplification[q] : 1.0);
-    row[D + at_noise] = motion::noise_viscosity * setup.spacing * wave_speed;
+    row[D + at_noise] = smooth[q] * motion::noise_viscosity * setup.spacing * wave_speed;
     row[D + at_carried] = carried[q];
   });
   for_gradients<D, at_carried + 1, D>(
@@ -92,7 +104,8 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
             max_in_place(approach, Number{});
             const Number impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
             const Number shear = 0.5 * (self[at_shear] + point[at_shear]) + impact,
-                         noise = 0.5 * (self[at_noise] + point[at_noise]);
+                         noise = self[at_noise] * point[at_noise] > 0.0 ? 0.5 * (self[at_noise] + point[at_noise])
+                                                                        : Number{};
             for (std::size_t d = 0; d < D; ++d) {
               Number unexplained = factor * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)

@@ -1,41 +1,12 @@
 #include "solid_solver/discretisation/ranks.hpp"
 
+#include "solid_solver/discretisation/state_arrays.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace poretwin::solid {
 namespace {
-
-/// Calls visit(array) for every array of the regions that sleep, in which fixed particles have no part.
-template <int D, class Visit>
-void for_each_array(Regions<D>& regions, const Visit& visit) {
-  for (auto* numbers : {&regions.last_active, &regions.sheared, &regions.saturation.values()}) visit(*numbers);
-  for (auto* vectors : {&regions.mark, &regions.outside}) visit(*vectors);
-  for (auto* flags : {&regions.calm, &regions.asleep}) visit(*flags);
-}
-
-/// Calls visit(array, entries per particle) for every array of the state that has entries for particles, except
-/// pair lists and what is used within a step only.
-template <int D, class Visit>
-void for_each_array(const Setup<D>& setup, State<D>& state, const Visit& visit) {
-  Particles<D>& p = state.particles;
-  std::size_t remembered = 0;
-  for (const auto& model : setup.models) remembered = std::max(remembered, model->state_size());
-  for (auto* vectors : {&p.position, &p.displacement, &p.velocity, &p.slip, &p.slipped, &p.wall_slope, &state.body,
-                        &state.rest_displacement.values()})
-    visit(*vectors, 1);
-  for (auto* numbers : {&p.mass, &p.volume, &p.plastic_strain}) visit(*numbers, 1);
-  visit(p.stress, 1);
-  visit(p.material, 1);
-  visit(p.material_state, remembered);
-  visit(p.rubbing, 1);
-  visit(state.nodes, 1);
-  visit(state.force, 1);
-  visit(state.external.saturation.values(), 1);
-  visit(state.yielded, 1);
-  visit(state.evened, 1);
-  for_each_array(state.regions, [&](auto& array) { visit(array, 1); });
-}
 
 /// Calls visit(sum) for every sum over particles in the state, of which each rank has the part of its own.
 template <int D, class Visit>

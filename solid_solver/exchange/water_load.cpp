@@ -132,6 +132,7 @@ WaterInput<D> take_water(const Setup<D>& setup, const Inbox& inbox, const Window
   water.predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   water.change = field_or_zero(inbox, field::predicted_change, n, D);
   water.soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
+  if (setup.erodes) water.free_velocity = field_or_zero(inbox, field::free_velocity, n, D);
   state.external.spreading = field_or_zero(inbox, field::spreading_rate, n, 1);
 
   // The pressure changes linearly in the window, and so does its gradient.

@@ -18,6 +18,7 @@ struct WaterInput {
   OrZero<double> predicted;  ///< m/s, velocity of the soil at the window's end that the fluid predicted
   OrZero<double> change;     ///< m/s, change of the predicted velocity in the window
   OrZero<double> soil_seen;  ///< fraction of soil that the fluid reports: 1 inside soil, 0 in free water
+  OrZero<double> free_velocity;  ///< m/s, of free water; components are consecutive; only where the soil erodes
   OrZero<double> before;     ///< Pa, pressure of water as a field at the window's start
 };
 

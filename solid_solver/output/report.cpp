@@ -66,6 +66,13 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
           const auto found = std::ranges::find(variables, name, &StateVariable::name);
           return found == variables.end() ? 0.0 : p.state_of(i)[static_cast<std::size_t>(found - variables.begin())];
         }));
+  if (setup.erodes) {
+    add({"bed_shear_stress", "Pa", "shear stress of free water on the soil's surface", 1},
+        write_scalars(
+            [&e = state.erosion](std::size_t i) { return i < e.shear_stress.size() ? e.shear_stress[i] : 0.0; }));
+    add({"eroded_share", "1", "share of its volume that the particle has lost to the water; at 1 it leaves", 1},
+        write_scalars([&e = state.erosion](std::size_t i) { return i < e.share.size() ? e.share[i] : 0.0; }));
+  }
   add({"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
       write_scalars([&p](std::size_t i) { return p.volume[i]; }));
   return frame;
@@ -79,6 +86,7 @@ OutputField failing_strain_field(const ScalarArray& strain, const std::string& f
 template <int D>
 std::map<std::string, double> counters_of(const State<D>& state, const RestReport& rest) {
   return {{"particles", static_cast<double>(state.particles.size())},
+          {"particles carried off", state.erosion.particles},
           {"substeps", state.substeps},
           {"substeps asleep", state.slept},
           {"substeps damped", state.damped},

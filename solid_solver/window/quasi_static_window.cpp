@@ -150,8 +150,16 @@ const Stiffness<D>& QuasiStaticWindow<D>::stiffness_with(const Setup<D>& setup, 
   }
   if (held.empty() || change > statics::still_serves * whole) held = resistance;
   if (!stiffness_ || stiffness_->resistance() != held)
-    stiffness_ = std::make_unique<Stiffness<D>>(setup, p, lattice_, held);
+    stiffness_ = std::make_unique<Stiffness<D>>(setup, p, lattice_of(state.erosion), held);
   return *stiffness_;
+}
+
+template <int D>
+VecArray<D> QuasiStaticWindow<D>::lattice_of(const Eroded& eroded) const {
+  if (eroded.first_number.empty()) return lattice_;
+  VecArray<D> left;
+  for (const Index i : eroded.first_number) left.push_back(lattice_[i]);
+  return left;
 }
 
 template <int D>

@@ -37,6 +37,8 @@ class QuasiStaticWindow {
   /// Stiffness of the soil, including the resistance of each particle that a window adds [N/m]. If the last stiffness
   /// is close enough, it is used again.
   const Stiffness<D>& stiffness_with(const Setup<D>& setup, const ScalarArray& resistance, State<D>& state);
+  /// Initial positions [m] of the particles that free water has not carried off.
+  [[nodiscard]] VecArray<D> lattice_of(const Eroded& eroded) const;
   /// Sets unsettled_ to the departure of the computed motion from the predicted one, if the departure is noticeable.
   void compare_with_prediction(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                                State<D>& state);

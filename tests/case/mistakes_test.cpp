@@ -1009,6 +1009,48 @@ TEST_F(Mistakes, SuspendedGrainsAreLooserThanInContactAndNotAtRest) {
               HasSubstr("key 'soil[0].contact_porosity': has no effect"));
 }
 
+/// A bed under free water, which erodes it.
+std::string eroding(const std::string& erosion) {
+  return R"([case]
+end_time = 1
+[[soil]]
+min = [0, 0]
+max = [1, 0.3]
+erosion = )" +
+         erosion + R"(
+[[wall]]
+points = [[0, 1], [0, 0], [1, 0], [1, 1]]
+[fluid]
+particle_spacing = 0.02
+[[fluid.region]]
+min = [0, 0]
+max = [1, 0.5]
+[solid]
+model = "elastic"
+)";
+}
+
+TEST_F(Mistakes, ErosionThatIsNotComputed) {
+  const std::string law = "{ friction_factor = 0.05, erodibility = 1e-5 }", bed = eroding(law);
+  EXPECT_EQ(complaint(bed), "no complaint");
+  EXPECT_THAT(complaint(eroding("{ erodibility = 1e-5 }")), HasSubstr("key 'soil[0].erosion.friction_factor'"));
+  EXPECT_THAT(complaint(eroding("{ friction_factor = 0.05 }")),
+              HasSubstr("case.toml:6: key 'soil[0].erosion.erodibility': the law \"excess_shear\" needs it"));
+  EXPECT_THAT(complaint(eroding("{ friction_factor = 0.05, erodibility = -1 }")), HasSubstr("expected a number >= 0"));
+  EXPECT_THAT(complaint(eroding("{ friction_factor = 0, erodibility = 1e-5 }")), HasSubstr("expected a number > 0"));
+  EXPECT_THAT(complaint(eroding("{ friction_factor = 0.05, erodibility = 1e-5, critical_shear_stress = -1 }")),
+              HasSubstr("expected a number >= 0"));
+  EXPECT_THAT(complaint(eroding("{ model = \"bed_load\", friction_factor = 0.05 }")), HasSubstr("\"excess_shear\""));
+  EXPECT_THAT(complaint(changed(bed, "\"elastic\"", "\"rigid\"")),
+              HasSubstr("key 'soil[0].erosion': soil that loses its surface must be computed"));
+  EXPECT_THAT(complaint(changed(bed, "particle_spacing = 0.02", "representation = \"field\"")),
+              HasSubstr("only free water erodes"));
+  EXPECT_THAT(complaint(bed + "[coupling]\nscheme = \"parallel\"\n"), HasSubstr("key 'coupling.scheme'"));
+  EXPECT_THAT(complaint(changed(bed, "particle_spacing = 0.02", "particle_spacing = 0.02\nskeleton_response = false")),
+              HasSubstr("key 'fluid.skeleton_response'"));
+  EXPECT_THAT(complaint(bed + "[[load]]\npoints = [[1, 0.3], [0, 0.3]]\npressure = 10\n"), HasSubstr("key 'load[0]'"));
+}
+
 TEST_F(Mistakes, CommonSlipsOfThePenAreNamed) {
   EXPECT_THAT(complaint(changed(tank, "\"rigid\"", "\"rigid")),
               HasSubstr("case.toml:9: not valid TOML: a quote \" is missing in: model = \"rigid"));
