@@ -159,6 +159,7 @@ struct Particles {
 struct Counts {
   double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
          stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
+  double in_doubt = 0;                          ///< pressure solves whose residual exceeds the tolerance of free water
   double cavitating = 0, first_cavitation = 0;  ///< largest number of particles that cavitated at one time; s, time of
                                                 ///< the first cavitation
 };

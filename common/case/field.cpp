@@ -517,22 +517,25 @@ class FieldChecks : Complaints {
       fail(key, fmt::format("expected 1 in the last row, where the soil is full, found {}", rows.back().second));
   }
 
-  /// Refuses permeabilities that jump: by this factor or more between two rows that are nearer to each other than half
-  /// a spacing. The flow between two points, one on each side of the jump, then depends so strongly on the wetter one
-  /// that the steps in time shrink without end.
+  /// Refuses permeabilities that jump: within less than half a spacing by a factor of 2 from one row to the next, or of
+  /// 5 over several rows. The flow between two points, one on each side of the jump, then depends so strongly on the
+  /// wetter one that the steps in time shrink without end.
   void no_jump(const Series& table, const std::string& key) const {
-    constexpr double factor = 2.0, narrow = 0.5;  // spacings
+    constexpr double by_one_row = 2.0, by_several = 5.0, narrow = 0.5;  // spacings
     const double least = narrow * scene_.fluid.particle_spacing;
-    for (std::size_t i = 1; i < table.knots.size(); ++i) {
-      const auto& [from, low] = table.knots[i - 1];
-      const auto& [to, high] = table.knots[i];
-      if (to - from < least * (1.0 - 1e-9) && high >= factor * low)
+    const auto& rows = table.knots;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = i + 1; j < rows.size() && rows[j].first - rows[i].first < least * (1.0 - 1e-9); ++j) {
+        const auto& [from, low] = rows[i];
+        const auto& [to, high] = rows[j];
+        if (high < (j == i + 1 ? by_one_row : by_several) * low) continue;
         fail(key, fmt::format(
                       "rises from {} at {} m to {} at {} m, {:g} times within {:.2g} m of suction, which points {} m "
-                      "apart do not resolve: expected rows at least half a spacing apart, {:g} m, or a smaller "
+                      "apart do not resolve: expected {} half a spacing apart, {:g} m, or a smaller "
                       "fluid.particle_spacing",
-                      low, from, high, to, high / low, to - from, scene_.fluid.particle_spacing, least));
-    }
+                      low, from, high, to, high / low, to - from, scene_.fluid.particle_spacing,
+                      j == i + 1 ? "rows at least" : "such a rise over at least", least));
+      }
   }
 
   /// Requires that the first two rows of saturation differ: below them it continues as the power of the suction that

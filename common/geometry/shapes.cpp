@@ -316,9 +316,11 @@ void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
   constexpr double narrow = 0.26;  // cosine of the turn at 105 degrees
   // Pieces are walked with the domain on the left: the next piece begins where this one ends.
   std::vector<std::array<Vec<D>, 2>> corners;
-  for (const auto& plane : planes)
+  for (auto& plane : planes) {
+    plane.piece = static_cast<int>(corners.size());
     corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
                        plane.point + (plane.to - plane.tangent.dot(plane.point)) * plane.tangent});
+  }
   for (std::size_t i = 0; i < planes.size(); ++i) {
     auto& plane = planes[i];
     if (plane.tangent.isZero()) continue;
@@ -331,11 +333,24 @@ void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
         const Vec<D> outward = e == 1 ? plane.tangent : Vec<D>(-plane.tangent);
         const Vec<D> onward = e == 1 ? planes[j].tangent : Vec<D>(-planes[j].tangent);
         const double towards = plane.normal.dot(onward);  // sine of the turn towards the domain
-        if (towards > 0.01 && outward.dot(onward) < narrow) continue;
+        if (towards > 0.01 && outward.dot(onward) < narrow) {
+          plane.overhangs[e].closed_by = planes[j].piece;
+          continue;
+        }
         if (towards <= 0.01) longer[e] = 0.0;
         const Vec<D> bisector = (outward + onward).normalized();
         // Points on the bisector itself are images of the earlier piece.
         plane.ends[e] = {corners[i][e] + (e == 1 ? 1e-9 : -1e-9) * margin * bisector, bisector};
+      }
+    }
+    for (const std::size_t e : {0, 1}) {
+      auto& overhang = plane.overhangs[e];
+      overhang.length = longer[e];
+      const Vec<D> outward = e == 1 ? plane.tangent : Vec<D>(-plane.tangent);
+      for (std::size_t j = 0; overhang.closed_by < 0 && j < planes.size(); ++j) {
+        const bool on_it = planes[j].faces(corners[i][e]) &&
+                           std::abs(planes[j].normal.dot(corners[i][e] - planes[j].point)) < 0.01 * margin;
+        if (j != i && on_it && planes[j].normal.dot(outward) < -narrow) overhang.closed_by = planes[j].piece;
       }
     }
     plane.from -= longer[0];

@@ -83,7 +83,7 @@ std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double
 
 /// Extends pieces of walls (made without a margin) by `margin` [m] beyond their ends so that corners close. Images are
 /// divided at the bisector if the next piece continues straight, turns away from the domain, or turns towards it by
-/// less than 75 degrees.
+/// less than 75 degrees. In narrower corners only the images of what lies before the next piece continue.
 template <int D>
 void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin);
 

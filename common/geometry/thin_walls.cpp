@@ -154,7 +154,8 @@ bool sight_matters(const Case& scene, Keeps what) {
 /// one side 3 spacings (one reach), unless `Sight` prevents interaction through it. Measured without `Sight`: at 5
 /// spacings and more, still water on both sides stays at rest (at 4 it moves at 0.7 m/s, at 2 the run diverges), and
 /// seepage is right (1.4 % wrong at 4, NaN at 3). Water on one side is right at 3 spacings and more (at 1 its pressure
-/// is 7 % too high).
+/// is 7 % too high). The sides of a wedge, such as a dike with steep slopes, are thin near its edge; where they meet at
+/// about a right angle or more, the wall has a corner there, and is not thin.
 std::vector<ThinWall> thin_walls(const Case& scene, Keeps what) {
   std::vector<ThinWall> found;
   if (scene.general.dimension != 2 || !(what == Keeps::water ? scene.has_water() : scene.deformable())) return found;
@@ -171,12 +172,13 @@ std::vector<ThinWall> thin_walls(const Case& scene, Keeps what) {
     const Point3 left = p.piece.left();
     if (const auto x = two_sides(scene, what, p.piece)) return ThinWall{p.wall, *x, 0.0, 5.0 * dx, true};
     for (const auto& q : sides) {
-      if (left.dot(q.piece.left()) > -0.9) continue;
+      const Point3 across = q.piece.left();
+      if (left.dot(across) > -0.1) continue;
       for (const auto& x : places_along(p.piece, dx)) {
-        const auto thickness = distance_to(q.piece, x, -left);
+        const auto thickness = distance_to(q.piece, x, across);
         if (!thickness || !(*thickness > 0.0) || *thickness >= 5.0 * dx) continue;
         if (!lies_in(scene, what, x + 0.25 * dx * left)) continue;
-        const bool both = lies_in(scene, what, x - (*thickness + 0.25 * dx) * left);
+        const bool both = lies_in(scene, what, x + (*thickness + 0.25 * dx) * across);
         const double least = (both ? 5.0 : 3.0) * dx;
         if (*thickness < (1.0 - 1e-6) * least) return ThinWall{p.wall, x, *thickness, least, both};
       }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 namespace poretwin {
@@ -56,6 +57,13 @@ struct PairMatrix {
     }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
+  /// Sum of row a over its columns and the diagonal, as apply() gives it for a constant of 1.
+  [[nodiscard]] double row_sum(std::size_t a) const {
+    std::array<double, n_lanes> sum{};
+    for (std::size_t k = begin(a); k < end(a); k += n_lanes)
+      for (std::size_t l = 0; l < n_lanes; ++l) sum[l] += static_cast<double>(weight[k + l]);
+    return diagonal[a] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
+  }
   /// y = A x, where x also has the entries of the copies
   void apply(std::span<const double> x, std::span<double> y) const {
     for_each_in_lanes(
@@ -67,6 +75,7 @@ struct PairMatrix {
 struct SolveReport {
   int iterations = 0;
   bool converged = true;
+  double residual = 0.0;  ///< norm of b - A x of the result; only from conjugate_gradients()
 };
 
 /// Preconditioned conjugate gradients, matrix-free. Vectors contain the rows that this rank owns. apply(x, y): y = A x,
@@ -108,18 +117,28 @@ SolveReport reduce_residual(const Domain& domain, Apply&& apply, Precondition&& 
   return report;
 }
 
-/// Conjugate gradients for A x = b, starting from the given x.
+/// Conjugate gradients for A x = b, starting from the given x. The residual that the iteration carries along is that of
+/// x only if A is symmetric, and then up to rounding. So the residual of x itself decides at the end. If it does not
+/// meet the tolerance, the iteration begins anew from x, as long as that halves the residual.
 template <class Apply, class Precondition>
-SolveReport conjugate_gradients(const Domain& domain, Apply&& apply, Precondition&& precondition, ScalarArray b,
-                                std::span<double> x, double tolerance, int limit) {
-  {
-    ScalarArray start(x.begin(), x.end()), product(b.size());
-    start.resize(domain.with_halo(b.size()));
-    domain.exchange(start, domain.each(b.size()));
-    apply(std::span<const double>(start), std::span<double>(product));
-    parallel_for(b.size(), [&](std::size_t i) { b[i] -= product[i]; });
+SolveReport conjugate_gradients(const Domain& domain, Apply&& apply, Precondition&& precondition,
+                                std::span<const double> b, std::span<double> x, double tolerance, int limit) {
+  const std::size_t n = b.size();
+  SolveReport report;
+  for (double before = std::numeric_limits<double>::infinity();;) {
+    ScalarArray residual(n), at(x.begin(), x.end());
+    at.resize(domain.with_halo(n));
+    domain.exchange(at, domain.each(n));
+    apply(std::span<const double>(at), std::span<double>(residual));
+    parallel_for(n, [&](std::size_t i) { residual[i] = b[i] - residual[i]; });
+    report.residual = domain.norm(residual);
+    report.converged = report.residual <= tolerance;
+    if (report.converged || !(report.residual <= 0.5 * before) || report.iterations >= limit) return report;
+    before = report.residual;
+    report.iterations +=
+        reduce_residual(domain, apply, precondition, std::move(residual), x, tolerance, limit - report.iterations)
+            .iterations;
   }
-  return reduce_residual(domain, apply, precondition, std::move(b), x, tolerance, limit);
 }
 
 struct GmresReport : SolveReport {

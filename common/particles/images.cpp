@@ -5,12 +5,17 @@
 namespace poretwin::sph {
 
 template <int D>
-Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range) {
+Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range,
+                      std::span<const Vec<D>> owners) {
   Images<D> images;
+  const std::size_t without_owner = points.size() - owners.size();
+  const double rounding = 1e-9 * range;
   auto add = [&](const ImagePlane<D>& plane, const Vec<D>& x, Index parent, const Mat<D>& map, const Vec<D>& carried,
                  std::uint32_t bits) {
     const double distance = plane.normal.dot(x - plane.point);
     if (distance < 0.0 || distance > range || !plane.faces(x)) return;
+    const Vec<D>& owner = parent < without_owner ? points[parent] : owners[parent - without_owner];
+    if (belongs_behind_corner(planes, plane, x, owner, rounding)) return;
     const bool mirror = plane.kind == ImagePlane<D>::Kind::mirror;
     const Vec<D> image = mirror ? Vec<D>(x - 2.0 * distance * plane.normal) : Vec<D>(x + plane.shift);
     for (const auto& end : plane.ends)
@@ -68,7 +73,9 @@ VecArray<D> places_that_see_images(std::span<const ImagePlane<D>> planes, double
 
 template VecArray<2> places_that_see_images(std::span<const ImagePlane<2>>, double, std::span<const Vec<2>>);
 template VecArray<3> places_that_see_images(std::span<const ImagePlane<3>>, double, std::span<const Vec<3>>);
-template Images<2> make_images<2>(std::span<const Vec<2>>, std::span<const ImagePlane<2>>, double);
-template Images<3> make_images<3>(std::span<const Vec<3>>, std::span<const ImagePlane<3>>, double);
+template Images<2> make_images<2>(std::span<const Vec<2>>, std::span<const ImagePlane<2>>, double,
+                                  std::span<const Vec<2>>);
+template Images<3> make_images<3>(std::span<const Vec<3>>, std::span<const ImagePlane<3>>, double,
+                                  std::span<const Vec<3>>);
 
 }  // namespace poretwin::sph

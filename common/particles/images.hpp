@@ -31,6 +31,15 @@ struct ImagePlane {
     Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();
   };
   std::array<End, 2> ends{};
+  /// An end that was drawn in a corner of less than 105 degrees continues by `length` [m] beyond it, so that images of
+  /// images fill the corner. closed_by: `piece` of the wall that closes it. What lies behind that wall belongs to other
+  /// water or soil, and the continuation does not mirror it.
+  struct Overhang {
+    double length = 0.0;
+    int closed_by = -1;
+  };
+  std::array<Overhang, 2> overhangs{};
+  int piece = -1;      ///< number of the piece among those that meet at corners
   double speed = 0.0;  ///< m/s, of a moving mirror (a piston) along its normal, at `point`
   double spin = 0.0;   ///< 1/s, of a mirror that turns: gain of its speed per length along `tangent` (2D)
   int boundary = 0;    ///< number of the boundary in the solver, 0..31
@@ -67,10 +76,28 @@ struct Images {
   [[nodiscard]] std::size_t size() const { return parent.size(); }
 };
 
-/// Images of all points within `range` [m] of a plane, on its inner side. The planes are treated one after the other,
-/// so that images of images fill corners.
+/// Whether a place x opposite the plane lies beyond the end of what was drawn, while its owner stands more than
+/// `beyond` [m] behind the wall that closes the corner there. The owner is x itself or, if x is an image, its parent.
 template <int D>
-Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
+bool belongs_behind_corner(std::span<const ImagePlane<D>> planes, const ImagePlane<D>& plane, const Vec<D>& x,
+                           const Vec<D>& owner, double beyond) {
+  const double along = plane.tangent.dot(x);
+  const std::array<double, 2> past{plane.from + plane.overhangs[0].length - along,
+                                   along - plane.to + plane.overhangs[1].length};
+  for (const std::size_t e : {0, 1}) {
+    if (plane.overhangs[e].closed_by < 0 || past[e] <= 0.0) continue;
+    for (const auto& wall : planes)
+      if (wall.piece == plane.overhangs[e].closed_by && wall.normal.dot(owner - wall.point) < -beyond) return true;
+  }
+  return false;
+}
+
+/// Images of all points within `range` [m] of a plane, on its inner side. The planes are treated one after the other,
+/// so that images of images fill corners. owners: places of the last points as far as belongs_behind_corner() asks for
+/// them; by default they are those of the points.
+template <int D>
+Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range,
+                      std::span<const Vec<D>> owners = {});
 
 /// Further places whose surroundings a rank needs that has the particles at `position` [m] and makes images of all that
 /// it knows. Where an image of a particle acts on a particle of this rank, the reflection or translation that makes the
@@ -90,6 +117,7 @@ void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x,
     const double distance = plane.normal.dot(x - plane.point);
     const bool endless = plane.to <= plane.from;
     if (distance >= 0.0 || (distance < -reach && !endless) || !plane.faces(x)) continue;
+    if (belongs_behind_corner(planes, plane, x, x, reach)) continue;
     const double turning = plane.spin * plane.tangent.dot(x - plane.point);  // m/s
     x += (std::min(-distance, reach) - distance) * plane.normal;
     v -= std::min(0.0, plane.normal.dot(v) - plane.speed - turning) * plane.normal;

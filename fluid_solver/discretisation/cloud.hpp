@@ -68,10 +68,12 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   c.spreading = p.spreading;
   c.mask = p.mask;
   c.void_fraction = p.void_fraction;
+  VecArray<D> owners = p.position;  // of images
   for (const auto& b : make_buffers(state.columns)) {
     const auto& column = state.columns[b.column];
     c.column.push_back(b.column);
     c.position.push_back(b.position);
+    owners.push_back(b.foot);
     c.volume.push_back(b.volume);
     c.pressure.push_back(column.pressure - column.slope * b.outside);
     c.velocity.push_back(column.speed * column.normal);
@@ -83,6 +85,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   }
   for (const auto& w : reservoir) {
     c.position.push_back(w.position);
+    owners.push_back(w.position);
     c.volume.push_back(w.volume);
     c.pressure.push_back(w.pressure);
     c.velocity.push_back(Vec<D>::Zero());
@@ -100,7 +103,7 @@ Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& 
   for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);
   const VecArray<D> base = c.position;
   const double reach = sph::support_radius * largest;
-  auto images = images_of<D>(base, walls.planes, walls.sight, walls.surfaces.get(), reach);
+  auto images = images_of<D>(base, walls.planes, walls.sight, walls.surfaces.get(), reach, owners);
   c.sight = walls.sight;
   c.n_base = base.size();
   c.original = images.parent;

@@ -273,11 +273,12 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, d
 
 template <int D>
 sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::ImagePlane<D>> planes,
-                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach) {
+                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach,
+                         std::span<const Vec<D>> owners) {
   if constexpr (D == 3)
     if (surfaces) return surfaces->images(points, reach);
   return sight.limited() ? sph::images_in_all_orders<D>(points, sight.planes(), reach)
-                         : sph::make_images<D>(points, planes, reach);
+                         : sph::make_images<D>(points, planes, reach, owners);
 }
 
 template <int D>
@@ -292,18 +293,19 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.n_real = s.n_particles - domain.copies();
   s.n_base = s.n_particles + buffers.size();
   s.buffers.assign(buffers.begin(), buffers.end());
-  VecArray<D> base(s.n_base);
+  VecArray<D> base(s.n_base), feet;
   std::copy(x.begin(), x.end(), base.begin());
   // The largest volume of all points, which determines the reach of images and pairs. Water behind faces is this
   // rank's.
   double largest = domain.max_over(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_particles + i] = buffers[i].position;
+    feet.push_back(buffers[i].foot);
     largest = std::max(largest, buffers[i].volume);
   }
   largest = points::smoothing_ratio * spacing_of<D>(largest);
   const double reach = sph::support_radius * largest;
-  auto images = images_of<D>(base, planes, sight, surfaces, reach);
+  auto images = images_of<D>(base, planes, sight, surfaces, reach, feet);
   s.uneven_images = surfaces != nullptr;
   const std::size_t all = s.n_base + images.size();
   s.position.resize(all);
@@ -396,7 +398,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
                                       const sph::Sight<D>&, std::span<const Joint<D>>, std::span<const char>,        \
                                       const Surfaces*, const Domain&);                                               \
   template sph::Images<D> images_of<D>(std::span<const Vec<D>>, std::span<const sph::ImagePlane<D>>,                 \
-                                       const sph::Sight<D>&, const Surfaces*, double);
+                                       const sph::Sight<D>&, const Surfaces*, double, std::span<const Vec<D>>);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

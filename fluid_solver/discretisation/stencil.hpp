@@ -311,10 +311,13 @@ struct Stencil {
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 
-/// The images of points behind all walls that the case has, up to `reach` [m] behind the walls.
+/// The images of points behind all walls that the case has, up to `reach` [m] behind the walls. owners: as for
+/// sph::make_images; those of buffers are their feet, since a buffer itself may lie behind the wall that continues its
+/// face.
 template <int D>
 sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::ImagePlane<D>> planes,
-                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach);
+                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach,
+                         std::span<const Vec<D>> owners = {});
 
 /// Neighbourhoods of the particles at x [m] with their bulk volumes [m^D], buffers outside faces, and images behind
 /// planes. domain: how many of these particles, the last ones, are copies. free [real]: 1 for particles in no soil, 0

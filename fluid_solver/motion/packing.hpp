@@ -75,7 +75,7 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   };
   const double size = s.domain.norm(b);
   if (size > 0.0)
-    conjugate_gradients(s.domain, apply, precondition, std::move(b), potential, motion::repair_tolerance * size,
+    conjugate_gradients(s.domain, apply, precondition, b, potential, motion::repair_tolerance * size,
                         motion::most_repair_iterations);
   const auto potentials = s.template with_copies<double>(potential);
   VecArray<D> displacement(s.n_real);

@@ -1,6 +1,7 @@
 #include "fluid_solver/output/report.hpp"
 
 #include "fluid_solver/boundary/columns.hpp"
+#include "fluid_solver/numerics/pressure.hpp"
 
 #include <fmt/format.h>
 
@@ -59,11 +60,17 @@ std::map<std::string, double> counters_of(const Setup<D>& setup, const State<D>&
 }
 
 std::vector<Warning> warnings_of(const Counts& c) {
-  return {{"water particles lost", c.lost, "they left the scene, through a gap or a wall; their mass is gone", true},
-          {"pressure solves that missed their tolerance", c.unconverged,
-           "the pressures of these windows are less exact than fluid.pressure_tolerance says", false},
-          {"particles of water that cavitated, most at once", c.cavitating,
-           fmt::format("from t = {:g} s on; voids opened at water.cavitation_pressure", c.first_cavitation), false}};
+  return {
+      {"water particles lost", c.lost, "they left the scene, through a gap or a wall; their mass is gone", true},
+      {"pressure solves that missed their tolerance", c.unconverged,
+       c.in_doubt > 0.0
+           ? fmt::format("the residual of {:g} of them exceeds {:g} of what drives the water: their pressures may be "
+                         "wrong",
+                         c.in_doubt, pressure::free_water_tolerance)
+           : "the pressures of these windows are less exact than fluid.pressure_tolerance says",
+       c.in_doubt > 0.0},
+      {"particles of water that cavitated, most at once", c.cavitating,
+       fmt::format("from t = {:g} s on; voids opened at water.cavitation_pressure", c.first_cavitation), false}};
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                \

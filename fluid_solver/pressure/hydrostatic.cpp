@@ -37,6 +37,10 @@ void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
+  if (out.in_doubt) {
+    ++state.counts.unconverged;
+    ++state.counts.in_doubt;
+  }
   if (setup.coupled) store_coupling_force<D>(setup, view, out.gradient, 0.0, p);
   const double fastest = setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) {
     return is_drag_dominated<D>(setup, state.particles, view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a])

@@ -112,6 +112,7 @@ void take_solution(const Setup<D>& setup, const WindowSolution<D>& solution, dou
   counts.skeleton_iterations += solution.skeleton_iterations;
   counts.outer_iterations += solution.outer;
   counts.unconverged += solution.converged ? 0.0 : 1.0;
+  counts.in_doubt += solution.in_doubt ? 1.0 : 0.0;
   state.multigrid = solution.multigrid;
   // Copied, not moved, since moving would fragment the memory of the state's arrays.
   p.pressure = solution.pressure;

@@ -794,7 +794,7 @@ class WindowSolver {
     remove_means(b);
     if (!all_closed_) {
       ScalarArray row(n_);
-      fluid_.apply(ScalarArray(s_.n_particles, 1.0), std::span<double>(row));
+      parallel_for(n_, [&](std::size_t a) { row[a] = fluid_.row_sum(a); });
       const double num = domain_.sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
       const double den = domain_.sum_over(n_, [&](std::size_t a) { return row[a]; });
       reference = den > 0.0 ? num / den : 0.0;
@@ -843,11 +843,13 @@ class WindowSolver {
         if (multigrid) multigrid->cycle(r, z);
         remove_means(z);
       };
-      report = conjugate_gradients(domain_, apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
+      report = conjugate_gradients(domain_, apply, by_cycle, b, out.pressure, tolerance, 2000);
       out.multigrid_cycles += report.iterations;
       out.multigrid = report.iterations > pressure::few_cycles;
     }
     out.converged = report.converged;
+    out.in_doubt = !report.converged &&
+                   report.residual > std::max(1.0, pressure::free_water_tolerance / in_.tolerance) * tolerance;
     out.outer = 1;
     parallel_for(n_, [&](std::size_t a) { out.pressure[a] += reference; });
   }
@@ -882,6 +884,8 @@ class WindowSolver {
   /// Drive of the flow, to which the tolerance refers: the norm of the residual when prescribed pressures are in place
   /// and all other pressures are at the datum.
   double drive(const ScalarArray& b, double reference) const {
+    const auto is_unknown = [&](std::size_t a) { return !is_known(a); };
+    if (domain_.all_of(n_, is_unknown)) return domain_.norm(b);
     ScalarArray known(n_), residual(n_);
     parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
     fluid_.apply(s_.template with_copies<double>(known), std::span<double>(residual));

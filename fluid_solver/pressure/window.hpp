@@ -64,6 +64,7 @@ struct WindowSolution {
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
   bool multigrid = false;  ///< input: start with multigrid; output: start the next solve with it
   bool converged = true;
+  bool in_doubt = false;  ///< the residual exceeds the tolerance of free water, too
 };
 
 /// Solves one window. solution: initial guesses on input, the whole result on output. stencil: of the particles'

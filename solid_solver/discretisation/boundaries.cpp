@@ -102,9 +102,9 @@ void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
     }
   for (std::size_t k = 0; k < scene.plates.size(); ++k)
     for (auto plane : plate_planes<D>(scene.plates[k])) {
-      const auto on_wall = [&](double along) {
+      const auto wall_at = [&](double along) {
         const Vec<D> end = plane.at(along);
-        return std::ranges::any_of(others, [&](const auto& wall) {
+        return std::ranges::find_if(others, [&](const auto& wall) {
           const bool across = std::abs(wall.normal.dot(plane.normal)) < 0.99;
           return across && std::abs(wall.normal.dot(end - wall.point)) < 1e-3 * margin && wall.faces(end);
         });
@@ -112,9 +112,15 @@ void add_plates(const Case& scene, double margin, Boundaries<D>& boundaries) {
       if (D == 3 && plane.to > plane.from) {
         close_corners<D>(others, margin, plane);
       } else if (plane.to > plane.from) {
-        const bool first = on_wall(plane.from), last = on_wall(plane.to);
-        if (first) plane.from -= margin;
-        if (last) plane.to += margin;
+        const auto first = wall_at(plane.from), last = wall_at(plane.to);
+        if (first != others.end()) {
+          plane.from -= margin;
+          plane.overhangs[0] = {margin, first->piece};
+        }
+        if (last != others.end()) {
+          plane.to += margin;
+          plane.overhangs[1] = {margin, last->piece};
+        }
       }
       boundaries.kinds.push_back(scene.plates[k].surface == Plate::Surface::rough ? BoundaryKind::fixed
                                                                                   : BoundaryKind::roller);

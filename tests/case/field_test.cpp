@@ -83,6 +83,10 @@ TEST_F(Field, RetentionCurvesThatMakeNoSenseAreNamed) {
   EXPECT_THAT(complaint(table, {"soil.0.retention.permeability=[[-2, 0.01], [-0.201, 0.4], [-0.2, 0.8], [0, 1]]"}),
               AllOf(HasSubstr("retention.permeability"), HasSubstr("2 times within 0.001 m"),
                     HasSubstr("half a spacing apart, 0.01 m")));
+  EXPECT_THAT(complaint(table, {"soil.0.retention.permeability=[[-2, 0.01], [-0.209, 0.1], [-0.206, 0.19], [-0.203, "
+                                "0.36], [-0.2, 0.68], [0, 1]]"}),
+              AllOf(HasSubstr("retention.permeability"), HasSubstr("6.8 times within 0.009 m"),
+                    HasSubstr("such a rise over at least half a spacing")));
   for (const char* rows :
        {"[[-2, 0.01], [-0.201, 0.5], [-0.2, 0.8], [0, 1]]", "[[-2, 0.01], [-0.21, 0.1], [-0.2, 0.8], [0, 1]]"})
     EXPECT_EQ(complaint(table, {std::string("soil.0.retention.permeability=") + rows}), "no complaint") << rows;

@@ -126,6 +126,19 @@ TEST_F(Mistakes, AToleranceThatLetsErrorsAddUpIsDoubted) {
   EXPECT_THAT(warnings_with("0.005"), testing::ElementsAre(HasSubstr("key 'coupling.tolerance': 0.005 of the weight")));
 }
 
+TEST_F(Mistakes, ADrainedFaceFromWhichTheSoilSettlesIsDoubted) {
+  const auto path = std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases/settle_years/case.toml";
+  const auto doubts = [&](const std::string& traction, const std::string& representation) {
+    return read_case(path, {"load.0.traction=[0, " + traction + "]", "fluid.representation=" + representation})
+        .warnings;
+  };
+  // A modulus of 5 MPa on 10 m, rows of 0.25 m: 0.16 and 0.08 spacings.
+  EXPECT_THAT(doubts("-20000", "particles"),
+              testing::Contains(AllOf(HasSubstr("load[0]"), HasSubstr("by some 0.04 m, 0.16 spacings"))));
+  EXPECT_THAT(doubts("-10000", "particles"), Not(testing::Contains(HasSubstr("load[0]"))));
+  EXPECT_THAT(doubts("-20000", "field"), Not(testing::Contains(HasSubstr("load[0]"))));
+}
+
 TEST_F(Mistakes, APolygonThatCrossesItselfIsNamed) {
   EXPECT_EQ(complaint(dam), "no complaint");
   EXPECT_THAT(complaint(changed(dam, "[0.8, 0.4], [0.4, 0.4]", "[0.4, 0.4], [0.8, 0.4]")),

@@ -93,6 +93,32 @@ TEST(ThinWallInSoil, ASheetPileInLevelGroundLeavesItsStress) {
   EXPECT_LT(error, 0.02);
 }
 
+// Two bins with walls of their own, on floors at different heights. A wall continues behind a corner for the images of
+// its own soil only.
+TEST(ThinWallInSoil, TwoBinsStandBesideEachOther) {
+  for (const double gap : {5.0 * dx, 6.0 * dx}) {
+    Case scene = test::column({.spacing = dx});
+    const double there = 0.5 + gap, floor = 0.1;
+    scene.walls = {roller({{0.0, 1.0}, {0.0, 0.0}, {0.5, 0.0}, {0.5, 1.0}}),
+                   roller({{there, 1.0}, {there, floor}, {there + 0.5, floor}, {there + 0.5, 1.0}})};
+    scene.soils = {box(0.0, 0.5, 0.8), box(there, there + 0.5, 0.6)};
+    scene.soils[1].shape.min.y() = floor;
+    Solid<2> solid(scene);
+    solid.initialise({});
+    test::run_dry(solid, 0.2, 0.02);
+    const auto& p = solid.state().particles;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const Vec<2> x = p.position[i] - p.displacement[i];
+      const double vertical = -weight * ((x.x() < 0.55 ? 0.8 : 0.6) - x.y());
+      worst = std::max(
+          {worst, std::abs(p.stress[i][0] - ratio / (1.0 - ratio) * vertical), std::abs(p.stress[i][1] - vertical)});
+    }
+    std::printf("gap %g: stresses %.4f of the weight off\n", gap, worst / (0.8 * weight));
+    EXPECT_LT(worst, 0.02 * 0.8 * weight);
+  }
+}
+
 // Sand that slumps against a partition one spacing thick stays on its side of it.
 TEST(ThinWallInSoil, NothingPassesIt) {
   Case scene = bin(dx, 0.0, 0.4, 0.2);
