@@ -4,6 +4,7 @@
 #include "common/core/threads.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/discretisation/ranks.hpp"
+#include "fluid_solver/numerics/erosion.hpp"
 
 #include <fmt/format.h>
 
@@ -290,7 +291,8 @@ void add_free_water(const Setup<D>& setup, const Cloud<D>& cloud, coupling::Publ
     free.push_back(cloud.position[a]);
     moving.push_back(cloud.velocity[a]);
   }
-  const double length = points::smoothing_ratio * setup.spacing, reach = sph::support_radius * length;
+  const double length = erosion::stream_width * points::smoothing_ratio * setup.spacing,
+               reach = sph::support_radius * length;
   sph::CellGrid<D> grid;
   grid.build(free, reach);
   velocity.values.resize(cloud.size() * D, 0.0);

@@ -90,8 +90,8 @@ template <int D>
 coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state);
 
 /// Adds the velocity of the stream of free water and its mask, for soil that erodes. At a particle it is the mean over
-/// the free water within the kernel's reach, with weights W |v|: water that stands in the notches of the soil's edge,
-/// as that which came out of eroded soil, has no part in the stream.
+/// the free water within twice the kernel's reach, with weights W |v|: water that stands in the notches of the soil's
+/// edge, as that which came out of eroded soil, has no part in the stream.
 template <int D>
 void add_free_water(const Setup<D>& setup, const Cloud<D>& cloud, coupling::Publication& out);
 

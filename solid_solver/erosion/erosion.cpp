@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "solid_solver/discretisation/state_arrays.hpp"
 #include "solid_solver/dynamics/step.hpp"
+#include "solid_solver/numerics/erosion.hpp"
 
 #include <fmt/format.h>
 
@@ -53,15 +54,20 @@ template <int D>
 std::vector<SurfacePart<D>> surface_parts(const Setup<D>& setup, const State<D>& state) {
   static const double edge = edge_of_lattice<D>();
   const Particles<D>& p = state.particles;
+  const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
   VecArray<D> gradient(p.size(), Vec<D>::Zero());  // of the coverage [1/m]
+  std::vector<SurfacePart<D>> parts(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) parts[i].coverage = p.volume[i] * self;
   for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
-    gradient[i] += state.nodes[j].volume * sph::WendlandC2<D>::derivative_over_r(r.norm(), setup.smoothing_length) * r;
+    const double distance = r.norm(), volume = state.nodes[j].volume;
+    gradient[i] += volume * sph::WendlandC2<D>::derivative_over_r(distance, h) * r;
+    parts[i].coverage += volume * sph::WendlandC2<D>::value(distance, h);
   });
-  std::vector<SurfacePart<D>> parts(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double length = gradient[i].norm();
-    if (length > 0.0) parts[i] = {gradient[i] / length, length / edge};
+    if (length > 0.0) parts[i].normal = gradient[i] / length;
+    parts[i].per_volume = length / edge;
   }
   return parts;
 }
@@ -85,7 +91,9 @@ void erode(const Setup<D>& setup, double interval, const OrZero<double>& velocit
     if (law && i < p.free() && !water.isZero(0.0)) {
       const Vec<D> slip = water - p.velocity[i], along = slip - parts[i].normal * parts[i].normal.dot(slip);
       eroded.shear_stress[i] = law->shear_stress(along.norm());
-      eroded.share[i] += interval * parts[i].per_volume * law->speed(eroded.shear_stress[i]);
+      const double speed = law->speed(eroded.shear_stress[i]);
+      eroded.share[i] += interval * parts[i].per_volume * speed;
+      if (speed > 0.0 && parts[i].coverage < erosion::least_coverage) eroded.share[i] = 1.0;
     }
     if (eroded.share[i] < 1.0) {
       kept.push_back(static_cast<Index>(i));

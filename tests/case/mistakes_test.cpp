@@ -1056,8 +1056,12 @@ TEST_F(Mistakes, ErosionThatIsNotComputed) {
   EXPECT_THAT(complaint(eroding("{ model = \"bed_load\", friction_factor = 0.05 }")), HasSubstr("\"excess_shear\""));
   EXPECT_THAT(complaint(changed(bed, "\"elastic\"", "\"rigid\"")),
               HasSubstr("key 'soil[0].erosion': soil that loses its surface must be computed"));
-  EXPECT_THAT(complaint(changed(bed, "particle_spacing = 0.02", "representation = \"field\"")),
-              HasSubstr("only free water erodes"));
+  EXPECT_THAT(
+      complaint(changed(bed,
+                        "[fluid]\nparticle_spacing = 0.02\n[[fluid.region]]\nmin = [0, 0]\nmax = [1, 0.5]\n[solid]\n",
+                        "[solid]\nparticle_spacing = 0.02\n")),
+      HasSubstr(
+          "only free water erodes: expected [[fluid.region]] and fluid.representation = \"particles\", found no"));
   EXPECT_THAT(complaint(bed + "[coupling]\nscheme = \"parallel\"\n"), HasSubstr("key 'coupling.scheme'"));
   EXPECT_THAT(complaint(changed(bed, "particle_spacing = 0.02", "particle_spacing = 0.02\nskeleton_response = false")),
               HasSubstr("key 'fluid.skeleton_response'"));

@@ -158,6 +158,29 @@ TEST(Erosion, OthersKeepTheirState) {
   }
 }
 
+/// A grain that erosion has left by itself belongs to no body: the stream takes it at once, a corner of a body it
+/// erodes.
+TEST(Erosion, AGrainByItselfIsCarriedOffAtOnce) {
+  for (const double side : {dx, 4.0 * dx}) {
+    Case scene = erodible_column();
+    scene.walls.clear();
+    scene.solid.initial_rest = false;
+    scene.soils[0].shape.max = Point3(side, side, 0.0);
+    Soil away = scene.soils[0];
+    away.shape.min = Point3(1.0, 0.0, 0.0);
+    away.shape.max = Point3(1.2, 0.2, 0.0);
+    scene.soils.push_back(away);
+    const Solid<2> solid(scene);
+    State<2> state = solid.state();
+    const std::size_t before = state.particles.size();
+    OrZero<double> water;
+    water.allocate(2 * before);
+    for (std::size_t i = 0; i < before; ++i) water.values()[2 * i] = 1.0;
+    erode(solid.setup(), 1e-3, water, state);
+    EXPECT_EQ(before - state.particles.size(), side == dx ? 1 : 0);
+  }
+}
+
 /// A run that is saved and resumed while the bed erodes continues to the bit, with its long windows' stiffness.
 TEST(Erosion, IsResumedToTheBit) {
   Case scene = erodible_column();

@@ -1,0 +1,12 @@
+// Chosen numbers of soil that free water carries off. What an entry needs: CONTRIBUTING.md.
+#pragma once
+
+namespace poretwin::solid::erosion {
+
+/// Coverage by soil, sum V W with the particle itself, below which a particle belongs to no body: it has no surface to
+/// erode and no strength, and the stream takes it at once. One grain has 0.27 and a pair 0.35, a right corner of a body
+/// 0.46.
+/// Unit: 1. Test: Erosion.AGrainByItselfIsCarriedOffAtOnce.
+inline constexpr double least_coverage = 0.4;
+
+}  // namespace poretwin::solid::erosion
