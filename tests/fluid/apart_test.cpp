@@ -2,6 +2,7 @@
 #include "common/geometry/shapes.hpp"
 #include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/both_solvers.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -194,6 +195,27 @@ TEST(Apart, TwoBasinsStandBesideEachOther) {
 TEST(Apart, ThreeBasinsStandBesideEachOther) {
   const std::vector<Pond> ponds{{0.0, 0.4, 0.0, 0.8}, {0.6, 0.8, 0.2, 0.4}, {1.04, 1.4, 0.04, 0.6}};
   expect_rest(ponds, in_basins(ponds));
+}
+
+TEST(Apart, ABasinStandsBesideSaturatedSoilThatMoves) {
+  Case scene = in_basins({{0.0, 0.6, 0.0, 0.6}, {0.8, 1.4, 0.1, 0.8}});
+  scene.general.end_time = 0.1;
+  scene.solid.model = SolidCase::Model::elastic;
+  scene.solid.particle_spacing = dx;
+  scene.soils = {sand()};
+  Soil& soil = scene.soils[0];
+  soil.shape = box(0.0, 0.0, 0.6, 0.6);
+  soil.hydraulic_conductivity = 1e-3;
+  soil.grain_density = 2600.0;
+  soil.youngs_modulus = 1e6;
+  soil.poissons_ratio = 0.3;
+  scene.gauges = {gauge("p", "point",
+                        {Point3(0.3, 0.2, 0.0), Point3(0.58, 0.2, 0.0), Point3(0.82, 0.2, 0.0), Point3(1.1, 0.2, 0.0)},
+                        "pore_pressure")};
+  BothSolvers both(scene);
+  both.run_to_end();
+  for (const char* in_soil : {"p[0]", "p[1]"}) EXPECT_NEAR(reading(both.fluid, in_soil), 3924.0, 1e-3 * 5886.0);
+  for (const char* in_basin : {"p[2]", "p[3]"}) EXPECT_NEAR(reading(both.fluid, in_basin), 6867.0, 1e-3 * 7848.0);
 }
 
 // The floor of the upper pond ends in the middle of a wall; the lower pond stands on the other side.

@@ -1,10 +1,12 @@
 // Free water, also in 3D: energy and hydrostatics.
 #include "common/coupling/interrupt.hpp"
+#include "fluid_solver/output/report.hpp"
 #include "tests/fluid/energy.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 
 namespace poretwin::fluid {
@@ -243,6 +245,18 @@ TEST(FreeWater, ThreeDimensionsDarcyBetweenPlanes) {
     EXPECT_NEAR(v.x() / exact, 1.0, 0.01);
     EXPECT_NEAR(v.tail<2>().norm() / exact, 0.0, 0.01);
   }
+}
+
+TEST(FreeWater, ASolveThatLeavesTooMuchPutsTheResultInDoubt) {
+  Counts counts;
+  const auto in_doubt = [&] {
+    const auto warnings = warnings_of(counts);
+    return std::ranges::any_of(warnings, [](const Warning& w) { return w.count > 0.0 && w.result_in_doubt; });
+  };
+  counts.unconverged = 3.0;
+  EXPECT_FALSE(in_doubt());
+  counts.in_doubt = 1.0;
+  EXPECT_TRUE(in_doubt());
 }
 
 }  // namespace
