@@ -19,7 +19,7 @@ struct WaterInput {
   OrZero<double> change;     ///< m/s, change of the predicted velocity in the window
   OrZero<double> soil_seen;  ///< fraction of soil that the fluid reports: 1 inside soil, 0 in free water
   OrZero<double> free_velocity;  ///< m/s, of free water; components are consecutive; only where the soil erodes
-  OrZero<double> before;     ///< Pa, pressure of water as a field at the window's start
+  OrZero<double> before;         ///< Pa, pressure of water as a field at the window's start
 };
 
 /// Takes the water's fields for a window. Stores pressure, coverage and degree of saturation, and sums the impulse
