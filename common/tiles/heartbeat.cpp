@@ -28,8 +28,8 @@ using std::chrono::milliseconds;
 
 /// Often enough that several datagrams may be lost, too rarely to cost anything.
 constexpr milliseconds between_beats{250};
-/// All ranks end within 3 s after one has stopped, mpirun's own time included.
-constexpr milliseconds longest_silence{2500};
+/// All ranks end within some 3 s after one has stopped: mpirun takes up to a second to end them.
+constexpr milliseconds longest_silence{2000};
 
 struct Beat {
   std::uint64_t run;  ///< a random number that only the ranks of this run know
