@@ -101,8 +101,8 @@ void Leader::announce(const std::string& call) const {
   static_cast<void>(all_.from_first(call));
 }
 
-void Leader::end() {
-  if (failed_) throw Error(ExitCode::failure, "the error above");
+void Leader::end(int code) {
+  if (failed_) throw Error(static_cast<ExitCode>(code), "the error above");
   call(Call::end, [] {});
 }
 

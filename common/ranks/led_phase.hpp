@@ -37,9 +37,9 @@ class Leader {
   /// The phase of the case, as if it were computed by this process alone: all ranks make their parts, and every later
   /// call is passed on to them. Throws what the part throws.
   std::unique_ptr<Phase> make(const Case& scene, const MakePart& part);
-  /// Lets the others end. Throws where a call failed on this rank only: the others wait for messages that will not
-  /// come, and end when this process does.
-  void end();
+  /// Lets the others end. Throws, with the exit code that this rank's work had, where a call failed on this rank only:
+  /// the others wait for messages that will not come, and end when this process does.
+  void end(int code);
 
   /// Announces a call, with its arguments, to the other ranks, then makes it on this one.
   template <class Make, class... Arguments>

@@ -29,7 +29,7 @@ int phase_main_over_mpi(int argc, char** argv, coupling::Role role, const MakePh
     Leader leader(all);
     const int code =
         coupling::phase_main(argc, argv, role, [&](const Case& scene) { return leader.make(scene, part); });
-    leader.end();
+    leader.end(code);
     return code;
   });
 }

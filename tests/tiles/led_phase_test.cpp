@@ -72,7 +72,7 @@ class LedSoil : public testing::Test {
       const auto phase = leader.make(scene, part);
       with(*phase);
     }
-    leader.end();
+    leader.end(0);
   }
   /// Compares all numbers of two runs on rank 0. allowed: largest difference of each field over its largest value.
   static void expect_same(const NumbersRecorder& shared, const NumbersRecorder& alone, double allowed) {
@@ -185,7 +185,7 @@ TEST_F(LedSoil, IsNotLedAfterAnErrorOfTheLeader) {
   Leader leader(all_ranks());
   EXPECT_THROW(leader.call(Call::save, []() -> void { throw DivergedError("here"); }), DivergedError);
   EXPECT_TRUE(leader.failed());
-  EXPECT_THROW(leader.end(), Error);
+  EXPECT_THROW(leader.end(4), Error);
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ class Tiles(unittest.TestCase):
                                  ("footing", ["--tiles", "2"], "[[plate]]")):
             with self.subTest(case=case, more=more):
                 ended = self.run_to_the_end("refused", *more, case=case)
-                self.assertNotEqual(ended.returncode, 0)
+                self.assertEqual(ended.returncode, 2, ended.stderr)
                 self.assertIn(text, ended.stderr)
                 if text != "[[plate]]":
                     self.assertFalse((self.folder / "refused").exists())
