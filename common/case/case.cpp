@@ -21,6 +21,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -271,25 +273,40 @@ void declare_own_keys(Keys& keys, Soil& s) {
     }
 }
 
-void declare(Keys& keys, RetentionCase& r) {
-  std::string meaning = "How much water the soil keeps under suction.", with_tables;
-  std::vector<std::pair<std::string_view, const porous::RetentionLaw*>> laws;
-  for (const auto& law : porous::retention_laws()) {
-    meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
-    if (law.takes_tables) with_tables += fmt::format("{}`{}`", with_tables.empty() ? "" : ", ", law.name);
-    laws.emplace_back(law.name, &law);
+/// Declares the key that chooses one of several laws by its name; the first is the default. meaning: of the key.
+template <class Law>
+void declare_law(Keys& keys, std::string_view key, const Law*& chosen, const std::deque<Law>& laws,
+                 std::string meaning) {
+  std::vector<std::pair<std::string_view, const Law*>> words;
+  for (const Law& law : laws) {
+    meaning += fmt::format("{} `{}`: {}", words.empty() ? "" : ";", law.name, law.meaning);
+    words.emplace_back(law.name, &law);
   }
-  if (!r.law) r.law = laws.front().second;
-  keys.choice<const porous::RetentionLaw*>("model", r.law, laws, {"", meaning + "."});
+  if (!chosen) chosen = words.front().second;
+  keys.choice<const Law*>(key, chosen, words, {"", meaning + "."});
+}
+
+/// Declares the parameters of all laws. Where several laws have a key, the first one's declaration counts.
+template <class Law>
+void declare_parameters(Keys& keys, const std::deque<Law>& laws, std::map<std::string, double, std::less<>>& numbers) {
+  std::set<std::string_view> declared;
+  for (const Law& law : laws)
+    for (const porous::LawParameter& p : law.parameters) {
+      if (!declared.insert(p.key).second) continue;
+      keys.number(p.key, numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning},
+                  p.needed && p.value > 0.0 ? positive() : not_negative());
+    }
+}
+
+void declare(Keys& keys, RetentionCase& r) {
+  std::string with_tables;
+  for (const auto& law : porous::retention_laws())
+    if (law.takes_tables) with_tables += fmt::format("{}`{}`", with_tables.empty() ? "" : ", ", law.name);
+  declare_law(keys, "model", r.law, porous::retention_laws(), "How much water the soil keeps under suction.");
   keys.number("residual_water_content", r.residual_water_content,
               {"", "Volume of water per volume of soil that no suction removes, theta_r; below `porosity`."},
               between(0, false, 1, true));
-  std::set<std::string> declared;  // where several laws have a key, the first one's declaration counts
-  for (const auto& law : porous::retention_laws())
-    for (const auto& p : law.parameters) {
-      if (!declared.insert(p.key).second) continue;
-      keys.number(p.key, r.numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning}, not_negative());
-    }
+  declare_parameters(keys, porous::retention_laws(), r.numbers);
   keys.series("saturation", r.saturation,
               {"1", fmt::format("Effective saturation against pressure head [m], [[psi, S_e], ..], both rising up to "
                                 "S_e = 1 ({}).",
@@ -299,14 +316,8 @@ void declare(Keys& keys, RetentionCase& r) {
 }
 
 void declare(Keys& keys, ErosionCase& e) {
-  std::string meaning = "Speed E at which the surface retreats, against the shear stress tau of the water.";
-  std::vector<std::pair<std::string_view, const porous::ErosionLaw*>> laws;
-  for (const auto& law : porous::erosion_laws()) {
-    meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
-    laws.emplace_back(law.name, &law);
-  }
-  if (!e.law) e.law = laws.front().second;
-  keys.choice<const porous::ErosionLaw*>("model", e.law, laws, {"", meaning + "."});
+  declare_law(keys, "model", e.law, porous::erosion_laws(),
+              "Speed E at which the surface retreats, against the shear stress tau of the water.");
   keys.number(
       "friction_factor", e.friction_factor,
       {"",
@@ -314,12 +325,7 @@ void declare(Keys& keys, ErosionCase& e) {
        "rho u^2. From Manning's n and the depth h: f = 8 g n^2 / h^(1/3).",
        true},
       positive());
-  std::set<std::string> declared;  // where several laws have a key, the first one's declaration counts
-  for (const auto& law : porous::erosion_laws())
-    for (const auto& p : law.parameters) {
-      if (!declared.insert(p.key).second) continue;
-      keys.number(p.key, e.numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning}, not_negative());
-    }
+  declare_parameters(keys, porous::erosion_laws(), e.numbers);
 }
 
 void declare(Keys& keys, Soil& s) {
@@ -335,16 +341,11 @@ void declare(Keys& keys, Soil& s) {
                "strained. Absent: the grains touch at the start."},
               between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
-  std::string meaning = "Hydraulic gradient i against discharge velocity U.";
+  declare_law(keys, "seepage_law", s.seepage_law, porous::seepage_laws(),
+              "Hydraulic gradient i against discharge velocity U.");
   std::string without;  // laws that compute the conductivity themselves
-  std::vector<std::pair<std::string_view, const porous::SeepageLaw*>> laws;
-  for (const auto& law : porous::seepage_laws()) {
-    meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
+  for (const auto& law : porous::seepage_laws())
     if (!law.takes_conductivity) without += fmt::format("{}`{}`", without.empty() ? " but " : ", ", law.name);
-    laws.emplace_back(law.name, &law);
-  }
-  if (!s.seepage_law) s.seepage_law = laws.front().second;
-  keys.choice<const porous::SeepageLaw*>("seepage_law", s.seepage_law, laws, {"", meaning + "."});
   keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
               {"m/s", fmt::format("k at `porosity` (all laws{}); of anisotropic soil along its beds.", without)},
               positive());
@@ -358,10 +359,7 @@ void declare(Keys& keys, Soil& s) {
       {"",
        "Direction across the beds, of any length: in 2D [-sin a, cos a] for beds that rise at an angle a towards "
        "+x. Absent: along gravity, for level beds."});
-  for (const auto& law : porous::seepage_laws())
-    for (const auto& p : law.parameters)
-      keys.number(p.key, s.own_numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning},
-                  p.needed && p.value > 0.0 ? positive() : not_negative());
+  declare_parameters(keys, porous::seepage_laws(), s.own_numbers);
   keys.optional_table("retention",
                       "How much water the soil keeps under suction, and how well it then conducts; absent: no "
                       "capillarity. With fluid.representation = \"field\".",

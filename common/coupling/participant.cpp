@@ -1,6 +1,7 @@
 #include "common/coupling/participant.hpp"
 
 #include "common/coupling/border.hpp"
+#include "common/output/build_info.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -24,11 +25,6 @@ std::size_t bytes_of(const Frames& frames) {
   std::size_t bytes = 0;
   for (const auto& frame : frames) bytes += frame.size;
   return bytes;
-}
-
-std::string host_name() {
-  char name[256] = "";
-  return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
 /// Calls answered() until it returns true or the deadline has passed. Writes a log line now and then while it waits.
@@ -78,7 +74,7 @@ class Participant::Implementation {
                 contract_,
                 options_.software,
                 static_cast<std::uint64_t>(getpid()),
-                host_name(),
+                host(),
                 options_.keeps_checkpoints,
                 options_.checkpoints};
     send(message_of(std::move(hello)));

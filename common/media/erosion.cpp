@@ -12,10 +12,7 @@ Erosion::Erosion(const ErosionCase& given, double density)
     : law_(given.law ? given.law : &erosion_laws().front()),
       friction_factor_(given.friction_factor),
       density_(density) {
-  for (const LawParameter& parameter : law_->parameters) {
-    const auto found = given.numbers.find(parameter.key);
-    parameters_.push_back(found == given.numbers.end() ? parameter.value : found->second);
-  }
+  for (const LawParameter& parameter : law_->parameters) parameters_.push_back(parameter.in(given.numbers));
 }
 
 }  // namespace poretwin::porous

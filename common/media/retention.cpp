@@ -86,10 +86,7 @@ std::unique_ptr<Retention> retention_of(const Soil& soil) {
   const RetentionLaw& law = retention_law(soil);
   if (law.curve == nullptr) return nullptr;
   std::vector<double> numbers;
-  for (const auto& p : law.parameters) {
-    const auto given = soil.retention->numbers.find(p.key);
-    numbers.push_back(given == soil.retention->numbers.end() ? p.value : given->second);
-  }
+  for (const auto& p : law.parameters) numbers.push_back(p.in(soil.retention->numbers));
   RetentionParameters parameters{numbers};
   if (soil.retention->saturation) parameters.saturation = &*soil.retention->saturation;
   if (soil.retention->permeability) parameters.permeability = &*soil.retention->permeability;

@@ -48,8 +48,7 @@ const SeepageLaw& add_seepage_law(SeepageLaw law) {
 }
 
 double parameter(const Soil& soil, const LawParameter& parameter) {
-  const auto given = soil.own_numbers.find(parameter.key);
-  return given == soil.own_numbers.end() ? parameter.value : given->second;
+  return parameter.in(soil.own_numbers);
 }
 
 double Resistance::speed(double force) const {

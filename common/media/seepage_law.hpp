@@ -3,6 +3,8 @@
 #pragma once
 
 #include <deque>
+#include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +24,12 @@ struct LawParameter {
   double value = 0.0;   ///< default
   bool needed = false;  ///< the case must give it, greater than `above`
   double above = 0.0;
+
+  /// Its value among the numbers of a case, by key; its default where they do not contain it.
+  [[nodiscard]] double in(const std::map<std::string, double, std::less<>>& numbers) const {
+    const auto given = numbers.find(key);
+    return given == numbers.end() ? value : given->second;
+  }
 };
 
 /// The properties for which a law is evaluated.

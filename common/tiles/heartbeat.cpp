@@ -1,6 +1,7 @@
 #include "common/tiles/heartbeat.hpp"
 
 #include "common/core/error.hpp"
+#include "common/output/build_info.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -94,13 +95,8 @@ class Socket {
   std::uint16_t port_ = 0;
 };
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
-}
-
 bool on_one_machine(const Communicator& all) {
-  const std::string own = host_name();
+  const std::string own = host();
   const char same = all.from_first(own) == own ? 1 : 0;
   const auto everywhere = all.gather(std::span<const char>(&same, 1));
   return std::all_of(everywhere.begin(), everywhere.end(), [](char one) { return one == 1; });
@@ -112,7 +108,7 @@ class Heartbeat::Pulse {
  public:
   explicit Pulse(const Communicator& all) : all_(all), one_machine_(on_one_machine(all)), socket_(one_machine_) {
     Place own;
-    host_name().copy(own.host.data(), own.host.size() - 1);
+    host().copy(own.host.data(), own.host.size() - 1);
     own.port = socket_.port();
     const auto places = all.gather(std::span<const Place>(&own, 1));
     std::random_device random;

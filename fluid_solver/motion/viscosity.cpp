@@ -47,7 +47,7 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   // Past soil that erodes the velocity jumps: beside it the gradient, which contains the jump, is not that of the free
   // water. It would make the row beside the soil lag behind the others by a quarter.
   const auto beside_jump = [&](std::size_t a) {
-    if (!setup.soil_erodes || is_carried[a] != 0.0) return false;
+    if (is_carried[a] != 0.0) return false;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real && is_carried[q] != 0.0) return true;
     return false;
