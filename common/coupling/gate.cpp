@@ -136,7 +136,7 @@ void Gate::keep_looking() {
       more = look();
       if (!more) enforce();
       strangers = limits_ && std::any_of(connections_.begin(), connections_.end(),
-                                         [](const auto& c) { return !c.second.member; });
+                                         [this](const auto& c) { return !is_members(c.second); });
     }
     std::array<pollfd, 2> items{{{events_, POLLIN, 0}, {stop_, POLLIN, 0}}};
     constexpr int idle = 200;  // ms
@@ -156,18 +156,19 @@ bool Gate::look() {
       case ZMQ_EVENT_ACCEPTED:
         connections_[event->value] = Connection{};
         connections_[event->value].since = Clock::now();
-        if (limits_) connections_[event->value].until = Clock::now() + limits_->silent;
         break;
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
-        note("a connection was turned away: its encryption does not match. Has only one side keys, or were they not made "
+        note(
+            "a connection was turned away: its encryption does not match. Has only one side keys, or were they not "
+            "made "
             "together by `poretwin keys`?");
         break;
       case ZMQ_EVENT_DISCONNECTED:
         if (found == connections_.end()) break;
-        if (!found->second.line.empty()) {
-          descriptor_of_.erase(found->second.line);
+        for (const auto& line : found->second.lines) {
+          callers_.erase(line);
           const std::lock_guard news(news_);
-          closed_.push_back(found->second.line);
+          closed_.push_back(line);
           wake();
         }
         connections_.erase(found);
@@ -190,6 +191,23 @@ void Gate::meet(int descriptor, Connection& connection) {
         fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
 }
 
+bool Gate::is_members(const Connection& connection) const {
+  return std::any_of(connection.lines.begin(), connection.lines.end(),
+                     [this](const auto& line) { return callers_.at(line).member; });
+}
+
+bool Gate::sends_too_much(const Connection& connection) const {
+  return std::all_of(connection.lines.begin(), connection.lines.end(),
+                     [this](const auto& line) { return callers_.at(line).messages > limits_->messages; });
+}
+
+Gate::Clock::time_point Gate::end_of(const Connection& connection) const {
+  if (connection.lines.empty()) return connection.since + limits_->silent;
+  auto until = Clock::time_point::min();
+  for (const auto& line : connection.lines) until = std::max(until, callers_.at(line).until);
+  return until;
+}
+
 /// Ends one stranger's connection where there are too many: the oldest of those that have sent nothing, if any, since
 /// the newest may be that of a participant about to join. Returns false where there are not too many.
 bool Gate::make_room() {
@@ -197,9 +215,9 @@ bool Gate::make_room() {
   auto oldest = connections_.end();
   for (auto c = connections_.begin(); c != connections_.end(); ++c) {
     const auto& connection = c->second;
-    if (connection.member || connection.ended) continue;
+    if (connection.ended || is_members(connection)) continue;
     ++strangers;
-    const auto rank = [](const Connection& x) { return std::pair(!x.line.empty(), x.since); };
+    const auto rank = [](const Connection& x) { return std::pair(!x.lines.empty(), x.since); };
     if (oldest == connections_.end() || rank(connection) < rank(oldest->second)) oldest = c;
   }
   if (strangers <= most_strangers_) return false;
@@ -224,8 +242,8 @@ void Gate::enforce() {
   }
   const auto now = Clock::now();
   for (auto& [descriptor, connection] : connections_) {
-    if (connection.member || connection.ended) continue;
-    if (now > connection.until)
+    if (connection.ended || is_members(connection)) continue;
+    if (now > end_of(connection))
       end(descriptor, connection, "");
     else if (bytes_received(descriptor) > limits_->bytes)
       end(descriptor, connection,
@@ -243,14 +261,17 @@ bool Gate::heard(const std::string& line, int descriptor) {
   const auto found = connections_.find(descriptor);
   if (found == connections_.end()) return !limits_;
   auto& connection = found->second;
-  if (connection.line.empty()) {
-    connection.line = line;
-    descriptor_of_[line] = descriptor;
+  const auto [caller, is_new] = callers_.try_emplace(line);
+  if (is_new) {
+    caller->second.descriptor = descriptor;
+    if (limits_) caller->second.until = connection.since + limits_->silent;
+    connection.lines.push_back(line);
   }
   if (!limits_) return members_.insert(line).second;
   if (connection.cookie == 0) meet(descriptor, connection);
   if (connection.ended) return false;
-  if (++connection.messages <= limits_->messages) return true;
+  if (++caller->second.messages <= limits_->messages) return true;
+  if (!sends_too_much(connection)) return false;
   end(descriptor, connection,
       fmt::format("a connection was ended that sent more than {} messages without being a participant's",
                   limits_->messages));
@@ -259,16 +280,15 @@ bool Gate::heard(const std::string& line, int descriptor) {
 
 void Gate::regard(const std::string& line, Hub::Standing standing) {
   const std::lock_guard lock(mutex_);
-  const auto found = descriptor_of_.find(line);
-  if (found == descriptor_of_.end() || !limits_) return;
-  auto& connection = connections_[found->second];
+  const auto found = callers_.find(line);
+  if (found == callers_.end() || !limits_) return;
+  auto& caller = found->second;
   if (standing == Hub::Standing::participant) {
-    connection.member = true;
+    caller.member = true;
     members_.insert(line);
   }
-  if (standing == Hub::Standing::guest) connection.until = connection.since + limits_->guest;
-  if (standing == Hub::Standing::refused)
-    connection.until = std::min(connection.until, Clock::now() + limits_->refused);
+  if (standing == Hub::Standing::guest) caller.until = connections_.at(caller.descriptor).since + limits_->guest;
+  if (standing == Hub::Standing::refused) caller.until = std::min(caller.until, Clock::now() + limits_->refused);
 }
 
 std::optional<std::string> Gate::closed() {
@@ -300,8 +320,8 @@ std::string Gate::notice() {
 
 int Gate::descriptor_of(const std::string& line) const {
   const std::lock_guard lock(mutex_);
-  const auto found = descriptor_of_.find(line);
-  return found == descriptor_of_.end() ? -1 : found->second;
+  const auto found = callers_.find(line);
+  return found == callers_.end() ? -1 : found->second.descriptor;
 }
 
 }  // namespace poretwin::coupling

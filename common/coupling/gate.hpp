@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace zmq {
 class socket_t;
@@ -61,12 +62,23 @@ class Gate {
   using Clock = std::chrono::steady_clock;
   struct Connection {
     std::uint64_t cookie = 0;  ///< the kernel's identifier, since descriptors are reused; 0: not read yet
-    std::string line;
-    Clock::time_point until;  ///< time at which the connection is ended unless it belongs to a participant by then
+    /// Normally one. Unread messages of an earlier connection through the same descriptor add the line of that one,
+    /// and nothing tells which is which. A connection is therefore ended only if every line on it allows that.
+    std::vector<std::string> lines;
     Clock::time_point since;
-    int messages = 0;
-    bool member = false, ended = false;
+    bool ended = false;
   };
+  /// The process at the end of a line.
+  struct Caller {
+    int descriptor = -1;
+    Clock::time_point until;  ///< time at which its connection is ended unless it is a participant by then
+    int messages = 0;
+    bool member = false;
+  };
+  bool is_members(const Connection& connection) const;
+  bool sends_too_much(const Connection& connection) const;
+  /// Time until which a stranger's connection may stay.
+  Clock::time_point end_of(const Connection& connection) const;
   bool look();
   void meet(int descriptor, Connection& connection);
   void end(int descriptor, Connection& connection, const std::string& why);
@@ -84,8 +96,8 @@ class Gate {
   std::set<std::string> members_;  ///< used by the hub's thread only
   mutable std::mutex mutex_;       ///< guards the monitor and the next two members
   std::map<int, Connection> connections_;
-  std::map<std::string, int> descriptor_of_;
-  std::mutex news_;  ///< guards the data that are passed to the hub's thread; locked last
+  std::map<std::string, Caller> callers_;  ///< by line
+  std::mutex news_;                        ///< guards the data that are passed to the hub's thread; locked last
   std::deque<std::string> closed_, notices_;
   std::set<std::string> said_;
   std::thread thread_;

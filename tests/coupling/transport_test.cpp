@@ -274,6 +274,37 @@ TEST_F(Strangers, AScannersLeavingIsNotTakenForAParticipants) {
   scanner.join();
 }
 
+/// A stranger that is refused sends messages and leaves; the participant's connection gets its descriptor before the
+/// hub has read them.
+TEST_F(Strangers, WhatOneLeavesUnreadIsNotHeldAgainstTheNext) {
+  for (int k = 0; k < 20; ++k) {
+    {
+      zmq::context_t context;
+      zmq::socket_t stranger(context, zmq::socket_type::dealer);
+      stranger.connect(hub_->address());
+      for (int n = 0; n < 30; ++n) stranger.send(zmq::buffer(std::string("hello")), zmq::send_flags::none);
+      stranger.set(zmq::sockopt::linger, 1000);
+    }
+    std::this_thread::sleep_for(Milliseconds(20));
+    const auto line = connect_socket(hub_->address());
+    line->send(numbered(1));
+    std::this_thread::sleep_for(Milliseconds(50));
+    participant_.clear();
+    closed_.clear();
+    for (int n = 0; n < 1000 && participant_.empty(); ++n) {
+      const auto event = hub_->receive(Milliseconds(10));
+      if (!event || event->frames.empty()) continue;
+      const bool hello =
+          event->frames.size() == 1 && std::string(event->frames[0].data, event->frames[0].size) == "hello";
+      if (!hello) participant_ = event->line;
+      hub_->regard(event->line, hello ? Hub::Standing::refused : Hub::Standing::participant);
+    }
+    ASSERT_NE(participant_, "");
+    if (k == 0) listen(Milliseconds(1500));  // longer than a refused process may stay
+    expect_heard(*line);
+  }
+}
+
 TEST_F(Strangers, AnotherUserOfTheMachineIsNotLetIn) {
   if (::geteuid() != 0) GTEST_SKIP() << "no other user can be played here";
   const std::string address = hub_->address();
