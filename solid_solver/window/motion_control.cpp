@@ -1,10 +1,8 @@
 #include "solid_solver/window/motion_control.hpp"
 
 #include "solid_solver/exchange/water_load.hpp"
-#include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/numerics/statics.hpp"
 #include "solid_solver/numerics/steps.hpp"
-#include "solid_solver/sleep/quiet.hpp"
 
 #include <fmt/format.h>
 
@@ -49,10 +47,7 @@ template <int D>
 void control_motion(const Setup<D>& setup, const Drive<D>& drive, double interval, double dissipated, State<D>& state) {
   const Particles<D>& p = state.particles;
   const double slow = statics::woken_by * reference_acceleration(setup, state, drive) / near_critical_damping(setup);
-  const bool hardly_moved =
-      share_of_mass(setup.domain, p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < sleep::local_share;
-  const bool moves = (state.any_yielded && !hardly_moved) ||
-                     inertia_matters<D>(setup.domain, p, {}, dissipated * long_window(setup) / interval, slow);
+  const bool moves = inertia_matters<D>(setup.domain, p, {}, dissipated * long_window(setup) / interval, slow);
   if (state.motion.moving && state.motion.calms(interval, !moves))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state.time);
   else if (!state.motion.moving && moves)

@@ -2,6 +2,9 @@
 // restore to the bit.
 #include "common/core/error.hpp"
 #include "common/coupling/interrupt.hpp"
+#include "solid_solver/numerics/statics.hpp"
+#include "solid_solver/numerics/steps.hpp"
+#include "solid_solver/window/motion_control.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -357,6 +360,30 @@ TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
   EXPECT_FALSE(solid.state().motion.moving);
   EXPECT_EQ(solid.counters().at("times the soil began to move"), 1.0);
   EXPECT_TRUE(solid.advance({2, solid.state().time, 1.0}, still).accepted);
+}
+
+/// Grains that ravel and creep keep the rest of the soil vibrating. A long window is tried again all the same once the
+/// energy of the vibration is small compared with the dissipated energy, and only then.
+TEST(LongWindow, IsTakenAgainThoughCreepingSoilVibrates) {
+  for (const bool creeps : {true, false}) {
+    Solid<2> solid(yielding_column(4000.0));
+    solid.initialise(test::wet_inbox<2>(
+        solid, [](const Vec<2>&) { return 0.0; }, 0.0));
+    const auto& setup = solid.setup();
+    State<2> state = solid.state();
+    const double slow = statics::woken_by * 9.81 / near_critical_damping(setup), interval = followed_window(setup);
+    double kinetic = 0.0;
+    for (std::size_t i = 0; i < state.particles.free(); ++i) {
+      state.particles.velocity[i] = (i % 2 == 0 ? 2.0 : -2.0) * slow * Vec<2>::UnitY();
+      kinetic += 0.5 * state.particles.mass[i] * state.particles.velocity[i].squaredNorm();
+    }
+    state.any_yielded = true;
+    state.motion.begins(long_window(setup));
+    const double dissipated = creeps ? 2.0 * kinetic / steps::noticed * interval / long_window(setup) : 0.0;
+    for (double t = 0.0; t < 10.0 * long_window(setup); t += interval)
+      control_motion(setup, Drive<2>{}, interval, dissipated, state);
+    EXPECT_EQ(state.motion.moving, !creeps);
+  }
 }
 
 TEST(SaveAndRestore, RepeatToTheBit) {
