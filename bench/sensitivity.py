@@ -4,18 +4,21 @@
     bench/sensitivity.py --list                              prints all constants
     bench/sensitivity.py fluid.surface.hole solid.walls      tries one constant and all constants of a header, each with the test that
                                                              the header names
-    bench/sensitivity.py --all --short                       tries all constants; those without a named test with the short forms of
-                                                             the cases in which their solver takes part
+    bench/sensitivity.py --all --suites                      tries all constants; those without a named test with all unit tests of
+                                                             their solver
+    bench/sensitivity.py --all --short                       the same, with the short forms of the cases in which their solver takes part
 
 The values are changed in a scratch copy of the sources: a worktree of the last commit in a temporary folder with its own build, or the
-tree of --scratch, which is kept and whose existing build is used. The tests of a constant must pass there before the constant is
-changed. If no change of a constant makes a test fail, either the constant is not needed, or its test is missing.
+tree of --scratch, which is kept and whose existing build is used. It is built once: its programs read a factor for one constant from
+the environment (NUMBER). The tests of a constant must pass there before the constant is changed. If no change of a constant makes a
+test fail, either the constant is not needed, or its test is missing.
 Results go to docs/notebook/sensitivity.md, which keeps its rows for other constants.
 Exit code: 0 each constant that was tried made a test fail, 1 some did not, 2 a test fails without any change.
 """
 import argparse
 import contextlib
 import dataclasses
+import os
 import pathlib
 import re
 import shutil
@@ -29,8 +32,34 @@ from runs import PROGRAMS
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = SOURCE / "docs" / "notebook" / "sensitivity.md"
 SOLVERS = ("fluid", "pore", "joint", "solid")
+SUITES = {"fluid": ["fluid_tests"], "pore": ["pore_tests"], "joint": ["joint_tests"], "solid": ["solid_tests", "material_tests"]}
 ENTRY = re.compile(r"^(?P<reason>(?:/// .*\n)+)/// Unit: (?P<unit>.+?)\. Test: (?P<test>.+)\.\n"
-                   r"inline constexpr (?P<type>[\w:]+) (?P<name>\w+) = (?P<value>[^;]+);", re.MULTILINE)
+                   r"inline constexpr (?P<type>[\w:]+(?:<[^>]+>)?) (?P<name>\w+)(?: = )?(?P<value>[^;]+);", re.MULTILINE)
+NUMBER = "PORETWIN_NUMBER"  # environment variable of programs built in the scratch copy: "NAME FACTOR"
+CHOSEN = """// Numbers that the environment changes by a factor; made by bench/sensitivity.py.
+#pragma once
+#include <array>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+namespace poretwin {
+inline double factor_for(const std::string& number) {
+  std::string name;
+  double factor = 1.0;
+  if (const char* text = std::getenv("PORETWIN_NUMBER")) std::istringstream(text) >> name >> factor;
+  return name == number ? factor : 1.0;
+}
+template <class T>
+T chosen(const char* number, T value) {
+  return static_cast<T>(static_cast<double>(value) * factor_for(number));
+}
+template <std::size_t n>
+std::array<double, n> chosen(const char* number, std::array<double, n> values) {
+  for (double& value : values) value *= factor_for(number);
+  return values;
+}
+}  // namespace poretwin
+"""
 HEAD = """# Sensitivity of the chosen numbers
 
 What turns red when a number of a solver's numerics folder is halved or doubled, written by
@@ -65,12 +94,11 @@ class Constant:
     def tests(self):
         return [] if self.test.startswith("none known") else [self.test.removesuffix(" (untried)")]
 
-    def times(self, factor):
-        """The value times `factor` as source text; None where the type has no such value (half of the integer 1)."""
-        if self.type == "double":
-            return repr(float(self.value) * factor)
-        changed = int(int(self.value) * factor)
-        return str(changed) if changed != int(self.value) and changed > 0 else None
+    def may_be_times(self, factor):
+        """Whether the type has such a value: half of the integer 1 is none."""
+        if self.type == "double" or self.type.startswith("std::array<double"):
+            return True
+        return int(int(self.value) * factor) not in (0, int(self.value))
 
 
 def sheet(root):
@@ -104,6 +132,33 @@ class Scratch:
         self.root, self.jobs, self.limit = root, jobs, limit
         self.build = root / "build" / "release"
 
+    def prepare(self):
+        """Lets the programs read the constants' factors from the environment."""
+        header = self.root / "common" / "core" / "chosen.hpp"
+        if not header.exists():
+            header.write_text(CHOSEN)
+        for solver in SOLVERS:
+            for file in (self.root / f"{solver}_solver" / "numerics").glob("*.hpp"):
+                text = file.read_text()
+
+                def read(e):
+                    definition = e[0][: e.start("type") - e.start()].replace("inline constexpr ", "inline const ")
+                    return (f'{definition}{e["type"]} {e["name"]} = '
+                            f'poretwin::chosen("{solver}.{file.stem}.{e["name"]}", {e["type"]}{{{e["value"].strip("{}")}}});')
+
+                changed = ENTRY.sub(read, text)
+                if changed != text:
+                    file.write_text(changed.replace("#pragma once\n", '#pragma once\n\n#include "common/core/chosen.hpp"\n', 1))
+
+        # What is computed from them is no constant expression any more.
+        names = "|".join(f"{c.room}::{c.name}" for c in sheet(SOURCE))
+        uses = re.compile(rf"\bconstexpr\b(?=.*\b(?:{names})\b)")
+        for solver in SOLVERS:
+            for file in (self.root / f"{solver}_solver").rglob("*.?pp"):
+                text = file.read_text()
+                if (changed := uses.sub("const", text)) != text:
+                    file.write_text(changed)
+
     def make(self, targets):
         if not (self.build / "CMakeCache.txt").exists():
             subprocess.run(["cmake", "--preset", "release"], cwd=self.root, check=True, stdout=subprocess.DEVNULL)
@@ -114,43 +169,39 @@ class Scratch:
         return built.returncode == 0
 
     def program_of(self, test):
-        """The test program that contains this test; only the test programs of the solvers are searched."""
+        """The test program that contains this test."""
         suite, name = test.split(".")
-        for solver in SOLVERS:
-            for file in (self.root / "tests" / solver).glob("*_test.cpp"):
-                if re.search(rf"TEST(_F|_P)?\({suite}, {name}\)", file.read_text()):
-                    return f"{solver}_tests"
-        sys.exit(f"{test}: in no test of the solvers")
+        for lists in sorted((self.root / "tests").glob("*/CMakeLists.txt")):
+            for program, rest in re.findall(r"poretwin_test\((\w+) ([^)]*)\)", lists.read_text()):
+                for file in re.findall(r"\w+_test\.cpp", rest):
+                    if re.search(rf"TEST(_F|_P)?\({suite}, {name}\)", (lists.parent / file).read_text()):
+                        return program
+        sys.exit(f"{test}: in no test program")
 
-    def is_red(self, test):
-        if "." in test:
-            command = [self.build / "bin" / self.program_of(test), f"--gtest_filter={test}:*/{test}/*"]
+    def red(self, test, number="", factor=1.0):
+        """The names of the tests that fail: of one test (Suite.Name), of all of a test program, or of one case."""
+        program = test if test.endswith("_tests") else self.program_of(test) if "." in test else None
+        if program:
+            command = [self.build / "bin" / program] + ([] if program == test else [f"--gtest_filter={test}:*/{test}/*"])
         else:
             shutil.rmtree(self.build / "sensitivity", ignore_errors=True)
             command = [self.build / "bin" / "poretwin", "verify", self.root / "cases" / test, "--short", "--out", self.build / "sensitivity"]
         try:
-            run = subprocess.run(command, cwd=self.build, capture_output=True, text=True, errors="replace", timeout=self.limit)
+            run = subprocess.run(command, cwd=self.build, capture_output=True, text=True, errors="replace", timeout=self.limit,
+                                 env=os.environ | {NUMBER: f"{number} {factor!r}"})
         except subprocess.TimeoutExpired:
-            return True  # a test that takes longer than the limit counts as failed
-        if "." in test and "Running 0 tests" in run.stdout:
-            sys.exit(f"{test}: not run by {command[0].name}")
-        return run.returncode != 0
+            return [f"{test} (takes too long)"]
+        if program and "Running 0 tests" in run.stdout:
+            sys.exit(f"{test}: not run by {program}")
+        if not run.returncode:
+            return []
+        failed = re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", run.stdout, re.MULTILINE) if program == test else []
+        return list(dict.fromkeys(failed)) or [test if program != test else f"{test} (ends early)"]
 
     def targets(self, tests):
-        return sorted({self.program_of(t) for t in tests if "." in t} | ({*PROGRAMS} if any("." not in t for t in tests) else set()))
-
-    @contextlib.contextmanager
-    def changed(self, constant, value):
-        file = self.root / constant.file
-        text = file.read_text()
-        before, after = (f"inline constexpr {constant.type} {constant.name} = {v};" for v in (constant.value, value))
-        if text.count(before) != 1:
-            sys.exit(f"{file}: no {before} to change; is it of another commit?")
-        file.write_text(text.replace(before, after))
-        try:
-            yield
-        finally:
-            file.write_text(text)
+        cases = any("." not in t and not t.endswith("_tests") for t in tests)
+        return sorted({t if t.endswith("_tests") else self.program_of(t) for t in tests if "." in t or t.endswith("_tests")}
+                      | ({*PROGRAMS} if cases else set()))
 
 
 @contextlib.contextmanager
@@ -168,16 +219,14 @@ def scratch_tree(given):
         yield root
 
 
-def tried(scratch, constant, tests):
+def tried(scratch, constant, tests, red_before):
     """The tests that failed with the value halved, and those that failed with it doubled; each as a text for the table."""
     cells = []
     for factor in (0.5, 2.0):
-        value = constant.times(factor)
-        if value is None:
+        if not constant.may_be_times(factor):
             cells.append("no such value")
             continue
-        with scratch.changed(constant, value):
-            red = [t for t in tests if scratch.is_red(t)] if scratch.make(scratch.targets(tests)) else ["the build"]
+        red = [name for t in tests for name in scratch.red(t, constant.full, factor) if name not in red_before]
         cells.append("all" if red == tests else ", ".join(red) or "nothing")
     return cells
 
@@ -200,6 +249,7 @@ def main():
     parser.add_argument("--all", action="store_true", help="all of the sheet")
     parser.add_argument("--short", nargs="*", metavar="CASE", help="constants without a named test: by these short forms (none named: "
                         "all in which their solver has something to compute)")
+    parser.add_argument("--suites", action="store_true", help="constants without a named test: by all unit tests of their solver")
     parser.add_argument("--tests", nargs="+", default=[], metavar="TEST", help="tests (Suite.Name) or cases tried besides those of the sheet")
     parser.add_argument("--scratch", type=pathlib.Path, metavar="DIR", help="the scratch copy, kept (default: a temporary one)")
     parser.add_argument("--limit", type=float, default=600.0, metavar="S", help="a test that takes longer counts as red (default 600)")
@@ -219,24 +269,32 @@ def main():
     rows, missing, red_before = [], [], False
     with scratch_tree(a.scratch) as root:
         scratch = Scratch(root, a.jobs, a.limit)
-        green = {}  # whether a test passes before any change
+        scratch.prepare()
+        plan = []
         for c in chosen:
             tests = list(dict.fromkeys(c.tests + a.tests))
+            if not tests and a.suites:
+                tests = SUITES[c.solver]
             if not tests and a.short is not None:
                 tests = a.short or list(short_forms(root, c.solver))
-            if not tests:
-                print(f"{c.full}: no test named; --short or --tests")
+            if tests:
+                plan.append((c, tests))
+            else:
+                print(f"{c.full}: no test named; --suites, --short or --tests")
                 missing.append(c)
-                continue
-            unknown = [t for t in tests if t not in green]
-            if unknown and not scratch.make(scratch.targets(unknown)):
-                sys.exit("the scratch copy does not build")
-            green |= {t: not scratch.is_red(t) for t in unknown}
-            if bad := [t for t in tests if not green[t]]:
-                print(f"{c.full}: red without any change: {', '.join(bad)}")
+        if plan and not scratch.make(scratch.targets({t for _, tests in plan for t in tests})):
+            sys.exit("the scratch copy does not build")
+        before = {}  # what is red without any change
+        for c, tests in plan:
+            for t in tests:
+                if t not in before:
+                    before[t] = scratch.red(t)
+            bad = {name for t in tests for name in before[t]}
+            if bad & set(tests):
+                print(f"{c.full}: red without any change: {', '.join(sorted(bad & set(tests)))}")
                 red_before = True
                 continue
-            cells = tried(scratch, c, tests)
+            cells = tried(scratch, c, tests, bad)
             if set(cells) <= {"nothing", "no such value"}:
                 missing.append(c)
             rows.append([f"`{c.full}`", c.value, ", ".join(tests), *cells])

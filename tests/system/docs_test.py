@@ -6,6 +6,7 @@ docs/architecture.md allows; the solvers' chosen numbers have a unit, a reason a
 import functools
 import pathlib
 import re
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -148,7 +149,7 @@ class Tree:
             if file.suffix != ".hpp" or not re.search(r"solver/numerics$", self.name(file.parent)):
                 continue
             text = file.read_text()
-            for number in re.finditer(r"\binline constexpr [\w:]+ (\w+)", text):
+            for number in re.finditer(r"\binline constexpr [\w:]+(?:<[^>]+>)? (\w+)", text):
                 entry = re.search(r"(?:/// .*\n)+/// Unit: .+\. Test: (.+)\.\n$", text[:number.start()])
                 if not entry:
                     wrong.append(f"{self.name(file)}: {number[1]} without reason, unit or test")
@@ -212,6 +213,11 @@ class Docs(unittest.TestCase):
 
     def test_chosen_numbers_have_unit_reason_and_test(self):
         self.assertEqual(self.tree.wrong_numbers(), [])
+
+    def test_chosen_numbers_are_all_on_the_sheet(self):
+        listed = subprocess.run([sys.executable, SOURCE / "bench" / "sensitivity.py", "--list"], capture_output=True, text=True)
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.assertIn("fluid.exchange.body_density", listed.stdout)
 
     def test_solvers_reduce_over_all_ranks(self):
         self.assertEqual(self.tree.reductions_of_one_rank(), [])
