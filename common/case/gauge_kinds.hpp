@@ -86,7 +86,7 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "plastic strain is largest: that strain"},
     {"uplift", "solid", "largest rise since the initial rest"},
     {"strain_energy", "solid", "elastic energy"},
-    {"crest_level", "solid", "elevation of the top of the soil: of its highest particles, and half a spacing"},
+    {"crest_level", "solid", "elevation of the top of the soil: of its highest particles that others touch, and half a spacing"},
     {"carried_off", "solid", "volume of the grains that free water has carried off since the start"},
     {"crest_settlement", "solid", "settlement of the highest particles since the initial rest"},
     {"pending_impulse", "solid",

@@ -7,6 +7,10 @@ namespace poretwin::solid::readings {
 /// With a determinant of the scaled moment matrix below this, a particle has too few neighbours to fit a slope.
 /// Unit: 1. Test: none known.
 inline constexpr double least_determinant = 1e-6;
+/// A particle belongs to the crest where its coverage by the kernel (sum V W) is at least this value: 0.39 of a grain
+/// alone, 0.51 of two that touch, 0.63 in a row of grains.
+/// Unit: 1. Test: Erosion.TheCrestIsNotAGrainInFlight (untried).
+inline constexpr double in_contact = 0.57;
 /// A particle counts as inside a deposit where its coverage by the kernel (sum V W) is at least this value.
 /// Unit: 1. Test: none known.
 inline constexpr double inside_cover = 0.8;

@@ -90,19 +90,28 @@ double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const V
   return sum;
 }
 
+/// Coverage of each particle's place by the soil's kernels, its own included.
+template <int D>
+ScalarArray coverage(const Setup<D>& setup, const State<D>& state) {
+  const double h = setup.smoothing_length;
+  ScalarArray cover(state.particles.size());
+  for (std::size_t i = 0; i < cover.size(); ++i) cover[i] = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+    const double r = (state.nodes[j].position - state.nodes[i].position).norm();
+    cover[i] += state.nodes[j].volume * sph::WendlandC2<D>::value(r, h);
+  });
+  return cover;
+}
+
 /// Whether each particle lies inside the soil (1 or 0), by kernel sums over its neighbours and itself.
 template <int D>
 std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length;
-  const std::size_t n = state.particles.size();
-  ScalarArray cover(n);
-  VecArray<D> centre(n, Vec<D>::Zero());
-  for (std::size_t i = 0; i < n; ++i) cover[i] = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
+  const ScalarArray cover = coverage(setup, state);
+  VecArray<D> centre(cover.size(), Vec<D>::Zero());
   for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     const Vec<D> r = state.nodes[j].position - state.nodes[i].position;
-    const double weight = state.nodes[j].volume * sph::WendlandC2<D>::value(r.norm(), h);
-    cover[i] += weight;
-    centre[i] += weight * r;
+    centre[i] += state.nodes[j].volume * sph::WendlandC2<D>::value(r.norm(), h) * r;
   });
   std::vector<char> found(state.particles.free());
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -163,6 +172,21 @@ double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>
 }
 
 template <int D>
+double crest_level(const Setup<D>& setup, const State<D>& state, const std::function<bool(const Vec<D>&)>& counts) {
+  const auto& p = state.particles;
+  const Vec<D> up = upwards(setup);
+  const ScalarArray cover = coverage(setup, state);
+  double top = -std::numeric_limits<double>::infinity(), highest = top;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    if (!counts(p.position[i])) continue;
+    const double level = up.dot(p.position[i]);
+    highest = std::max(highest, level);
+    if (cover[i] >= readings::in_contact) top = std::max(top, level);
+  }
+  return (std::isfinite(top) ? top : highest) + 0.5 * setup.spacing;
+}
+
+template <int D>
 double stress_noise(const Setup<D>& setup, const State<D>& state) {
   using Basis = Eigen::Matrix<double, D + 1, 1>;
   using Moment = Eigen::Matrix<double, D + 1, D + 1>;
@@ -209,10 +233,11 @@ double density_error(const Setup<D>& setup, const State<D>& state) {
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                              \
-  template double front_position<D>(const Setup<D>&, const State<D>&, const Vec<D>&, const Vec<D>&, double); \
-  template double surface_height<D>(const Setup<D>&, const State<D>&, const Vec<D>&);                        \
-  template double stress_noise<D>(const Setup<D>&, const State<D>&);                                         \
+#define PORETWIN_INSTANTIATE(D)                                                                                \
+  template double front_position<D>(const Setup<D>&, const State<D>&, const Vec<D>&, const Vec<D>&, double);   \
+  template double surface_height<D>(const Setup<D>&, const State<D>&, const Vec<D>&);                          \
+  template double crest_level<D>(const Setup<D>&, const State<D>&, const std::function<bool(const Vec<D>&)>&); \
+  template double stress_noise<D>(const Setup<D>&, const State<D>&);                                           \
   template double density_error<D>(const Setup<D>&, const State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

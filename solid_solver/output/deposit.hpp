@@ -3,6 +3,8 @@
 
 #include "solid_solver/setup.hpp"
 
+#include <functional>
+
 namespace poretwin::solid {
 
 /// Distance [m] of the soil's front from `from` along the line to `to`: the farthest place where the soil is at least
@@ -16,6 +18,11 @@ double front_position(const Setup<D>& setup, const State<D>& state, const Vec<D>
 /// such place exists.
 template <int D>
 double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>& x);
+
+/// Elevation [m] of the top of the soil: of its highest particle that others touch, and half a spacing; grains in
+/// flight count only where there is nothing else. `counts`: whether a place belongs to the gauge's region.
+template <int D>
+double crest_level(const Setup<D>& setup, const State<D>& state, const std::function<bool(const Vec<D>&)>& counts);
 
 /// Root mean square [Pa] of the difference between the mean effective stress and its best linear fit around each
 /// particle inside the soil.

@@ -179,9 +179,14 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
       readings.push_back({gauge.name, density_error<D>(setup, state), "1"});
       continue;
     }
+    if (gauge.kind == "crest_level") {
+      const auto counts = [&](const Vec<D>& x) { return within<D>(gauge, x); };
+      readings.push_back({gauge.name, crest_level<D>(setup, state, counts), "m"});
+      continue;
+    }
     Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
     double kinetic = 0.0, potential = 0.0, stored = 0.0, grains = 0.0, count = 0.0, plastic = 0.0, speed = 0.0,
-           displacement = 0.0, uplift = 0.0, top = -std::numeric_limits<double>::infinity();
+           displacement = 0.0, uplift = 0.0;
     const Vec<D> up = upwards(setup);
     for (std::size_t i = 0; i < p.free(); ++i) {
       if (!within<D>(gauge, p.position[i])) continue;
@@ -195,7 +200,6 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
       plastic = std::max(plastic, p.plastic_strain[i]);
       speed = std::max(speed, p.velocity[i].norm());
       displacement = std::max(displacement, p.displacement[i].norm());
-      top = std::max(top, up.dot(p.position[i]));
       uplift = std::max(uplift, up.dot(p.displacement[i] - state.rest_displacement[i]));
     }
     const std::string per = D == 2 ? "/m" : "";
@@ -220,8 +224,6 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
       readings.push_back({gauge.name, grains, D == 2 ? "m2" : "m3"});
     } else if (gauge.kind == "carried_off") {
       readings.push_back({gauge.name, state.erosion.grains, D == 2 ? "m2" : "m3"});
-    } else if (gauge.kind == "crest_level") {
-      readings.push_back({gauge.name, top + 0.5 * setup.spacing, "m"});
     } else if (gauge.kind == "crest_settlement") {
       readings.push_back({gauge.name, crest_settlement<D>(gauge, setup, state), "m"});
     } else if (gauge.kind == "particles") {

@@ -57,6 +57,27 @@ double grains_in(const Solid<2>& solid) {
   return sum;
 }
 
+/// A grain alone and two grains together above a column are not its crest; a row of grains is.
+TEST(Erosion, TheCrestIsNotAGrainInFlight) {
+  for (const int grains : {1, 2, 8}) {
+    Case scene = erodible_column();
+    scene.solid.initial_rest = false;
+    Soil above = scene.soils[0];
+    above.name = "grains";
+    above.shape.min = Point3(dx, height + 5.0 * dx, 0.0);
+    above.shape.max = above.shape.min + Point3(grains * dx, dx, 0.0);
+    scene.soils.push_back(above);
+    Gauge crest;
+    crest.name = "crest";
+    crest.phase = "solid";
+    crest.kind = "crest_level";
+    scene.gauges = {crest};
+    Solid<2> solid(scene);
+    solid.initialise(test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; }));
+    EXPECT_NEAR(solid.gauges()[0].value, grains < 8 ? height : height + 6.0 * dx, 1e-9) << grains << " grains";
+  }
+}
+
 /// A slope has its length, whatever its angle to the lattice, and its normal.
 TEST(Erosion, TheSurfaceHasItsLengthAtAnyAngleToTheLattice) {
   double largest = 0.0;
