@@ -69,8 +69,6 @@ void expect_possible_on_ranks(const Case& scene) {
   for (const Wall& wall : scene.walls)
     refuse(wall.water != Wall::ForWater::none && wall.shape.has_value(),
            fmt::format("[[wall]] \"{}\" has a shape", wall.name), "draw it by lines or planes");
-  refuse(scene.general.dimension == 2 && sight_matters(scene, Keeps::water),
-         "a [[wall]] is a line with water on both sides", "let water lie on one side of it");
   for (const Gauge& gauge : scene.gauges)
     refuse(gauge.phase == "fluid" && gauge.kind == "unexplained_impulse",
            fmt::format("[[gauge]] \"{}\" is of kind \"unexplained_impulse\"", gauge.name), "leave it out");

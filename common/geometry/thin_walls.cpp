@@ -93,6 +93,16 @@ void add_sides(const Case& scene, Keeps what, const Wall& wall, int number, int&
   }
 }
 
+/// Whether all water seeps through soil of one conductivity.
+bool seeps_through_one_soil(const Case& scene) {
+  if (porous::conductivity_contrast(scene) >= porous::one_conductivity) return false;
+  for (const auto& region : scene.fluid.regions)
+    for (const auto& x :
+         fill<2>(region, spacing_to_look_at(region, scene.fluid.particle_spacing, 2), {0.5, 0.5, 0.5}, 0.0, 1).position)
+      if (!soil_at(scene, Point3(x.x(), x.y(), 0.0))) return false;
+  return true;
+}
+
 }  // namespace
 
 bool has_two_sides(const Case& scene, const Wall& wall, Keeps what) {
@@ -126,22 +136,25 @@ bool sight_matters(const Case& scene, Keeps what) {
   if (hinders_sight(scene, what)) return false;
   if (!thin_walls(scene, what).empty()) return true;
   if (what == Keeps::soil) return false;
-  if (porous::conductivity_contrast(scene) >= porous::one_conductivity) return false;
-  const double dx = scene.fluid.particle_spacing;
-  for (const auto& region : scene.fluid.regions)
-    for (const auto& x : fill<2>(region, spacing_to_look_at(region, dx, 2), {0.5, 0.5, 0.5}, 0.0, 1).position)
-      if (!soil_at(scene, Point3(x.x(), x.y(), 0.0))) return false;
   std::vector<Piece> walls, faces;
   for (const auto& wall : scene.walls)
     if (wall.water != Wall::ForWater::none)
       for (const auto& piece : pieces_of(wall.face)) walls.push_back(piece);
   for (const auto& face : scene.water_faces)
     for (const auto& piece : pieces_of(face.face)) faces.push_back(piece);
-  const double near = 0.05 * dx;
+  const double dx = scene.fluid.particle_spacing, near = 0.05 * dx;
+  const bool one_soil = seeps_through_one_soil(scene);
   const auto along = [](const Piece& p) { return Point3((p.b - p.a).normalized()); };
+  const auto free_before = [&](const Piece& piece, const Point3& end) {
+    const Point3 inwards = (piece.a + piece.b - 2.0 * end).normalized();
+    return !soil_at(scene, end + 0.25 * dx * (piece.left() + inwards));
+  };
   for (const auto& wall : walls) {
     for (const auto& next : walls)
-      if ((wall.b - next.a).norm() < near && wall.left().dot(along(next)) < -0.01) return true;
+      if ((wall.b - next.a).norm() < near && wall.left().dot(along(next)) < -0.01 &&
+          (one_soil || free_before(wall, wall.b) || free_before(next, next.a)))
+        return true;
+    if (!one_soil) continue;
     for (const auto& face : faces) {
       if ((wall.b - face.a).norm() < near && wall.left().dot(along(face)) <= 0.01) return true;
       if ((wall.a - face.b).norm() < near && face.left().dot(along(wall)) <= 0.01) return true;

@@ -27,10 +27,11 @@ struct ThinWall {
 /// without pore water that is solved for, plates and periodic sides.
 std::optional<std::string> hinders_sight(const Case& scene, Keeps what);
 
-/// Whether a line of sight past walls is needed, in a scene that allows it. It is needed where walls are thin. For
-/// water that seeps only through one soil it is also needed at corners at which a wall turns away from the water, and
-/// at ends where a water face continues the wall: there the velocity has no bound, and pairs that are counted twice, or
-/// from one side only, become visible in the water balance.
+/// Whether a line of sight past walls is needed, in a scene that allows it. It is needed where walls are thin, and for
+/// free water at corners at which a wall turns away from it: images that the bisector of such a corner divides are not
+/// seen alike from both ends, so that the two weights of a pair differ. For water that seeps only through one soil it
+/// is also needed at such corners in soil and at ends where a water face continues the wall: there the velocity has no
+/// bound, and pairs that are counted twice, or from one side only, become visible in the water balance.
 bool sight_matters(const Case& scene, Keeps what);
 
 /// Whether water, in soil or free, or soil lies on both sides of the wall, so that the wall is a line with two sides.

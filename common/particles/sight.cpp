@@ -18,7 +18,6 @@ double crossing(const ImagePlane<D>& plane, const Vec<D>& x, const Vec<D>& y, do
 
 template <int D>
 Images<D> images_in_all_orders(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range) {
-  constexpr int most_reflections = 3;
   Images<D> images;
   const auto add = [&](std::size_t p, const Vec<D>& x, std::size_t of, const Index* maker) {
     const auto& plane = planes[p];

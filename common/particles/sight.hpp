@@ -8,6 +8,10 @@
 
 namespace poretwin::sph {
 
+/// Reflections in a row that are followed. Near a corner of 90 degrees two fill the surroundings, near sharper corners
+/// more.
+inline constexpr int most_reflections = 3;
+
 /// Images by all orders of mirrors, within `range` [m]: near a corner, different points see different orders.
 template <int D>
 Images<D> images_in_all_orders(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);

@@ -46,7 +46,11 @@ template <int D>
 Domain with_halo(const Setup<D>& setup, const Walls<D>& walls, const Particles<D>& p) {
   if (!setup.tiling) return setup.domain;
   const double largest = setup.domain.max_over(p.size(), 0.0, [&](std::size_t a) { return p.volume[a]; });
-  return with_halo<D>(setup, walls.planes, p, sph::support_radius * points::smoothing_ratio * spacing_of<D>(largest));
+  // Images past lines of sight are made by mirrors in any order: as if all mirrors stood several times in a row.
+  std::vector<sph::ImagePlane<D>> planes;
+  for (int k = 0; k < (walls.sight.limited() ? sph::most_reflections : 1); ++k)
+    planes.insert(planes.end(), walls.planes.begin(), walls.planes.end());
+  return with_halo<D>(setup, planes, p, sph::support_radius * points::smoothing_ratio * spacing_of<D>(largest));
 }
 
 template <int D>

@@ -1,28 +1,19 @@
 // Bodies of water beside each other, between walls of their own: nothing of one of them reaches another.
-#include "common/geometry/shapes.hpp"
-#include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/beside_walls.hpp"
 #include "tests/fluid/both_solvers.hpp"
-#include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace poretwin::fluid {
 namespace {
 
 using namespace test;
 
-constexpr double dx = 0.04, g = 9.81;
-
-Wall line_of(const std::vector<std::array<double, 2>>& points) {
-  Face face;
-  for (const auto& [x, y] : points) face.points.push_back(Point3(x, y, 0.0));
-  return wall(face);
-}
+constexpr double g = 9.81;
 
 /// A basin with walls of its own and water on its floor.
 struct Pond {
@@ -70,35 +61,6 @@ Case beside_a_dike(double crest, double batter, double left, double right) {
   };
   scene.fluid.regions = {pond(0.0, a - foot, left, 1.0), pond(b + foot + 0.6, b + foot, right, -1.0)};
   return scene;
-}
-
-/// The water of the scene as the solver sees it at first, with its particles moved by up to `jitter` spacings.
-Stencil<2> seen(const Case& scene, double jitter) {
-  const Walls<2> walls(scene, {});
-  VecArray<2> x;
-  ScalarArray volume;
-  for (const auto& region : scene.fluid.regions) {
-    const auto lattice = fill<2>(region, dx, Point3(0.5, 0.5, 0.5), jitter, 7);
-    x.insert(x.end(), lattice.position.begin(), lattice.position.end());
-    volume.resize(x.size(), lattice.volume);
-  }
-  return make_stencil<2>(x, volume, {}, walls.planes, {}, false, worth_threads_in_pairs, walls.sight);
-}
-
-/// The largest difference between the two entries of a pair in the rows of its particles, over the largest entry.
-double asymmetry(const Stencil<2>& s) {
-  std::map<std::pair<Index, Index>, double> sum;
-  double largest = 0.0, worst = 0.0;
-  for (std::size_t a = 0; a < s.n_real; ++a)
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index b = s.parent[s.other[k]]; b != a)
-        sum[{static_cast<Index>(a), b}] += static_cast<double>(s.gradient_factor[k]);
-  for (const auto& [pair, factor] : sum) {
-    const auto back = sum.find({pair.second, pair.first});
-    largest = std::max(largest, factor);
-    worst = std::max(worst, std::abs(factor - (back == sum.end() ? 0.0 : back->second)));
-  }
-  return worst / largest;
 }
 
 /// Ponds beside each other with this gap between them, on floors at several heights, full to their lids.
