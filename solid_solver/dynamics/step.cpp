@@ -20,6 +20,12 @@
 namespace poretwin::solid {
 
 template <int D>
+void evaluate_kernels(const Setup<D>& setup, State<D>& state) {
+  fill_nodes(setup, state);
+  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
+}
+
+template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   Particles<D>& p = state.particles;
   wrap_periodic<D>(setup.boundaries, p.position);
@@ -31,16 +37,13 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   build_neighbourhood<D>(boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   refit_deformation<D>(p, state.near, setup.smoothing_length, state.nodes);
   state.rebuilds += 1.0;
-  if (!setup.domain.any(!state.near.pairs.skipped.empty())) return;
-  fill_nodes(setup, state);
-  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
+  if (setup.domain.any(!state.near.pairs.skipped.empty())) evaluate_kernels(setup, state);
 }
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
-  fill_nodes(setup, state);
-  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
+  evaluate_kernels(setup, state);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
@@ -226,6 +229,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                          \
+  template void evaluate_kernels<D>(const Setup<D>&, State<D>&);                                         \
   template void rebuild_lists<D>(const Setup<D>&, State<D>&);                                            \
   template void rebuild<D>(const Setup<D>&, State<D>&);                                                  \
   template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                         \

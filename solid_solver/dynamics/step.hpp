@@ -23,6 +23,10 @@ struct Drive {
   }
 };
 
+/// Evaluates the kernels of all pairs at the present positions.
+template <int D>
+void evaluate_kernels(const Setup<D>& setup, State<D>& state);
+
 /// Builds lists and images anew. The forces must be evaluated afterwards.
 template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state);

@@ -32,9 +32,14 @@ inline constexpr double woken_by = 5e-3;
 /// Longest time of dynamic relaxation, in a window for which the search finds no equilibrium.
 /// Unit: travel times of a wave. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
 inline constexpr double most_ways = 100.0;
-/// Dynamic relaxation is given up once any particle is displaced by this length.
+/// Dynamic relaxation, and the search for an equilibrium at the end of a window, are given up once any particle is
+/// displaced by this length.
 /// Unit: spacings. Test: none known.
 inline constexpr double farthest = 0.5;
+/// In soil that cannot yield, the search at the end of a window may displace a particle by this much if that is more.
+/// Under a sudden load on soil full of water as a field, the first pass tries the settlement of drained soil.
+/// Unit: heights of the soil. Test: FieldWithSoil.BearsLoadsUnderWhichItSettlesByMuchOfASpacing (untried).
+inline constexpr double farthest_elastic = 0.1;
 
 /// The search ends at this departure from rest where its caller gives no criterion.
 /// Unit: 1. Test: none known.

@@ -124,8 +124,8 @@ void restore_state(const State<D>& start, State<D>& state) {
 ///
 /// Every trial starts from the state at the window's start, so that stress is returned to the cone once, over the
 /// strain of the whole window. If each trial continued from the previous one, the plastic strain of all detours of the
-/// search would add up. The search is given up after search.most trials, or when a particle moves by more than half a
-/// spacing; the initial state is then restored.
+/// search would add up. The search is given up after search.most trials, or when a particle moves farther than
+/// statics::farthest or, in soil that cannot yield, statics::farthest_elastic; the initial state is then restored.
 template <int D, class ExternalForce>
 RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
                             double interval, State<D>& state, ExternalForce&& external) {
@@ -147,6 +147,9 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   Eigen::VectorXd all = Eigen::VectorXd::Zero(size), missing(size), towards(size), plates_towards;
   Anderson accelerated(size, depth);
   Patience patience;
+  bool was_rebuilt = false;  // by the last trial
+  const double farthest =
+      std::max(statics::farthest * setup.spacing, setup.can_yield ? 0.0 : statics::farthest_elastic * setup.height);
   for (;; ++report.steps) {
     if (report.steps > 0) restore_state(start, state);
     for (std::size_t i = 0; i < n; ++i)
@@ -166,7 +169,12 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
     }
     deform<D>(setup, interval, nullptr, state);
     leave_out(setup, state, apart);
-    external(drive, rebuild_if_moved(setup, state));
+    // Loads follow the kernels, which must be those of the pairs at hand: of new ones where this trial has rebuilt
+    // them, and of the window's start again after a trial that had.
+    const bool rebuilt = rebuild_if_moved(setup, state);
+    if (rebuilt) evaluate_kernels(setup, state);
+    external(drive, rebuilt || was_rebuilt);
+    was_rebuilt = rebuilt;
     for (std::size_t i = 0; i < n; ++i)
       state.body[i] = (state.particles.mass[i] * setup.gravity + drive.distributed[i]) / state.particles.volume[i];
     std::swap(state.particles.plastic_strain, held);
@@ -200,7 +208,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
       continue;
     }
     all += accelerated.move(missing, towards);
-    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;  // plates included
+    if (all.cwiseAbs().maxCoeff() > farthest) break;  // plates included
   }
   if (!report.reached()) state = start;
   return report;

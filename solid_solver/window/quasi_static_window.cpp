@@ -301,12 +301,16 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
       return {Outcome::reject(shorter, "no equilibrium in so long a window"), {.moves = false, .longest = shorter}};
     }
     if (!report.reached() && !inert)
-      throw DivergedError(
-          fmt::format("the soil fails: it finds no equilibrium at t = {:g} s in a window of {:g} s, {:.2g} of gravity "
-                      "is left. Water "
-                      "as a field has no inertia with which to follow it; what comes now is for fluid.representation = "
-                      "\"particles\"",
-                      window.time, interval, report.residual));
+      throw DivergedError(fmt::format(
+          "{}: it finds no equilibrium at t = {:g} s in a window of {:g} s, {:.2g} of gravity is left. {}",
+          setup.can_yield ? "the soil fails" : "the elastic soil strains too far", window.time, interval,
+          report.residual,
+          setup.can_yield
+              ? "Water as a field has no inertia with which to follow it; what comes now is for fluid.representation = "
+                "\"particles\""
+              : fmt::format("Expected loads under which it moves by at most {:g} of its height in a window, or stiffer "
+                            "soil",
+                            statics::farthest_elastic)));
     if (!report.reached()) {
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium in {} steps, {:.2g} of gravity left\n",
                  window.time, report.steps, report.residual);

@@ -76,6 +76,17 @@ TEST(FieldWithSoil, BearsASuddenLoadWholly) {
   EXPECT_GT(coupled.report.passes, coupled.report.windows);  // the first window is repeated
 }
 
+/// The first pass settles as drained soil does, so that all pairs are found anew.
+TEST(FieldWithSoil, BearsLoadsUnderWhichItSettlesByMuchOfASpacing) {
+  for (const double strain : {0.01, 0.02, 0.04}) {
+    Case scene = loaded_column(1e-3);
+    scene.loads[0].traction.y() = -strain * modulus;
+    CoupledRun coupled;
+    run(coupled, scene, 1e-4);
+    EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), strain * modulus, 0.003 * strain * modulus) << strain;
+  }
+}
+
 /// column_until(time): the loaded column, until a time [s]; settlement: the gauge of its top's displacement upwards.
 template <class Column>
 void expect_consolidation(const Column& column_until, const std::string& settlement) {
