@@ -68,7 +68,7 @@ coupling::Publication Fluid<D>::publish() const {
 
 template <int D>
 std::pair<double, std::string> Fluid<D>::proposal() const {
-  return time_limit(setup_, faces_, state_, first_interval_);
+  return time_limit(setup_, faces_, state_);
 }
 
 template <int D>
@@ -79,7 +79,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   fill_pores(setup_, view, p);
   if (setup_.coupled) fit_columns_to_pores(setup_, state_);
   set_regimes(view, regime, p);
-  begin_control(setup_, view, 0.0, state_, first_interval_);
+  begin_control(setup_, view, 0.0, state_);
   p.solid_velocity = view.velocity;
   solve_hydrostatic(setup_, walls_, view, state_);
   limit_scheme(setup_, view, state_);
@@ -149,7 +149,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   VecArray<D> drag_of_prediction;
   if (explicit_drag) drag_of_prediction = apply_drag(setup_, p, dt, view, forced);
   in.velocity = forced.empty() ? p.velocity : forced;
-  passes_.begin(window.pass, view);
+  passes_.begin(window.pass, view, setup_.tiling.get());
   if (!passes_.pressure().empty()) in.pressure = p.pressure;
   in.sections = solved_sections(setup_, state_);
 
@@ -207,9 +207,9 @@ void Fluid<D>::limit_next_window(const SoilView<D>& view, const coupling::Window
   const double dt = window.interval;
   // Soil that was dry and cannot yield is stable in windows of any length. Control of the window by the noisy pressure
   // there would only shorten windows.
-  if (state_.controlled <= 0.0 && setup_.soil_yields) begin_control(setup_, view, dt, state_, first_interval_);
-  if (load_begins(setup_, window.time)) begin_control(setup_, view, 0.0, state_, first_interval_);
-  control_interval(setup_, pressure_before, dt, first_interval_, state_);
+  if (state_.controlled <= 0.0 && setup_.soil_yields) begin_control(setup_, view, dt, state_);
+  if (load_begins(setup_, window.time)) begin_control(setup_, view, 0.0, state_);
+  control_interval(setup_, pressure_before, dt, state_);
   limit_by_slowing(setup_, velocity_before, dt, state_);
   limit_by_acceleration(setup_, view, velocity_before, dt, state_);
   limit_scheme(setup_, view, state_);
@@ -219,7 +219,7 @@ template <int D>
 void Fluid<D>::archive(Archive& archive) {
   if (setup_.tiling)
     throw Error(ExitCode::failure, "checkpoints hold the water of all ranks, this is one rank's share");
-  archive(state_, first_interval_);
+  archive(state_);
   walls_.place(state_.inlets);
 }
 

@@ -72,8 +72,7 @@ class Fluid final : public Phase {
   State<D> state_, saved_;
   Faces<D> faces_;
   Walls<D> walls_;
-  double first_interval_ = 0.0;  ///< s, length of the first window beside soil that moves; 0: not known yet
-  Passes<D> passes_;             ///< of the present window
+  Passes<D> passes_;  ///< of the present window
 };
 
 }  // namespace poretwin::fluid

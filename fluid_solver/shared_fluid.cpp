@@ -3,27 +3,54 @@
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid.hpp"
 
-namespace poretwin::fluid {
+#include <fmt/format.h>
 
+#include <algorithm>
+
+namespace poretwin::fluid {
 namespace {
 
-const Case& alone(const Case& scene) {
-  if (scene.coupled())
-    throw CaseError(
-        "several ranks cannot share this water yet: [[soil]]: its soil moves; set solid.model = \"rigid\", or run the "
-        "case on one rank");
-  return scene;
+/// Where the particles of this rank stand among those of all ranks, in the order of ids; and the number of the latter.
+std::pair<std::vector<std::size_t>, std::size_t> places_in_whole(const auto& tiling, std::span<const GlobalId> ids) {
+  ScalarArray all = tiling.gather_numbers(ScalarArray(ids.begin(), ids.end()));
+  std::ranges::sort(all);
+  std::vector<std::size_t> places;
+  places.reserve(ids.size());
+  for (const GlobalId id : ids)
+    places.push_back(static_cast<std::size_t>(std::ranges::lower_bound(all, static_cast<double>(id)) - all.begin()));
+  return {std::move(places), all.size()};
+}
+
+/// Keeps of an array, with `each` numbers per particle, those of the particles at these places. Arrays that are not
+/// sent are empty.
+void keep(std::vector<double>& values, std::span<const std::size_t> places, std::size_t each = 1) {
+  if (values.empty()) return;
+  std::vector<double> own;
+  own.reserve(places.size() * each);
+  for (const std::size_t place : places)
+    for (std::size_t c = 0; c < each; ++c) own.push_back(values[place * each + c]);
+  values = std::move(own);
 }
 
 }  // namespace
 
 template <int D>
-SharedFluid<D>::SharedFluid(const Case& scene, std::shared_ptr<Tiling<D>> tiling)
-    : ranks::SharedPhase<Fluid<D>, D>(alone(scene), std::move(tiling)) {}
-
-template <int D>
-coupling::Publication SharedFluid<D>::publish() const {
-  throw Error(ExitCode::failure, "several ranks cannot take part in a coupled run yet");
+coupling::Inbox SharedFluid<D>::share_of(const coupling::Inbox& inbox) const {
+  const Setup<D>& setup = this->own_.setup();
+  if (!setup.coupled) return {};
+  Archive sent;
+  coupling::Inbox own;
+  if (setup.tiling->leads()) sent(own = inbox);
+  Archive received(setup.tiling->from_leader(sent.bytes()));
+  received(own);
+  const auto [places, count] = places_in_whole(*setup.tiling, this->own_.state().particles.share.ids);
+  if (own.coverage.size() != count)
+    throw PeerError(
+        fmt::format("the exchange brought values for {} fluid particles, there are {}", own.coverage.size(), count));
+  for (auto* values : {&own.coverage, &own.asymmetry, &own.spread}) keep(*values, places);
+  for (auto* fields : {&own.fields, &own.at_start, &own.found})
+    for (auto& field : *fields) keep(field.values, places, static_cast<std::size_t>(field.components));
+  return own;
 }
 
 template class SharedFluid<2>;

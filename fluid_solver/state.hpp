@@ -215,6 +215,7 @@ struct State {
   /// [gauges of kind discharge, in the case's order] m2/s, flow in the last window; empty where the pressure does not
   /// drive the whole flow.
   ScalarArray section_flow;
+  double first_interval = 0.0;  ///< s, length of the first window beside soil that moves; 0: not known yet
 };
 
 /// Whether the pressure alone drives the water: in several soils at rest that are full of water. Flow without a surface

@@ -12,7 +12,6 @@ template <int D>
 class SharedSolid final : public ranks::SharedPhase<Solid<D>, D> {
  public:
   using ranks::SharedPhase<Solid<D>, D>::SharedPhase;
-  [[nodiscard]] coupling::Publication publish() const override { return this->own_.publish(); }
   void initialise(const coupling::Inbox& inbox) override;
   [[nodiscard]] std::vector<Warning> warnings() const override;
 

@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
+
 namespace poretwin {
 
 template <int N>
@@ -23,6 +25,12 @@ Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> complete;
   complete.setThreshold(independent);
   return complete.compute(a).solve(b);
+}
+
+Eigen::MatrixXd upper_triangle(const Eigen::MatrixXd& a) {
+  if (a.rows() == 0) return a;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(a);
+  return qr.matrixQR().topRows(std::min(a.rows(), a.cols())).triangularView<Eigen::Upper>();
 }
 
 Eigen::VectorXd shortest_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {

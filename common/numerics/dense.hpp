@@ -18,6 +18,9 @@ bool all_eigenvalues_above(const Eigen::Matrix<double, N, N>& a, double bound);
 /// largest pivot count as zero.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double independent);
 
+/// R of A = Q R, by Householder's QR: of as many rows as A has, at most as many as it has columns.
+Eigen::MatrixXd upper_triangle(const Eigen::MatrixXd& a);
+
 /// The shortest x that minimises |A x - b|, by a complete orthogonal decomposition.
 Eigen::VectorXd shortest_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 

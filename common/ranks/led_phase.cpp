@@ -46,7 +46,7 @@ class LedPhase final : public Phase {
 
   [[nodiscard]] coupling::Contract contract() const override { return own_->contract(); }
   [[nodiscard]] coupling::Publication publish() const override {
-    throw Error(ExitCode::failure, "several ranks cannot take part in a coupled run yet");
+    return leader_.call(Call::publish, [&] { return own_->publish(); });
   }
   [[nodiscard]] std::pair<double, std::string> proposal() const override {
     return leader_.call(Call::propose, [&] { return own_->proposal(); });
@@ -123,6 +123,9 @@ void follow(const tiles::Communicator& all, const MakePart& part) {
         }
         case Call::initialise:
           phase->initialise(nothing);
+          break;
+        case Call::publish:
+          static_cast<void>(phase->publish());
           break;
         case Call::propose:
           static_cast<void>(phase->proposal());

@@ -18,6 +18,7 @@ using MakePart = std::function<std::unique_ptr<Phase>(const Case&)>;
 enum class Call {
   make,
   initialise,
+  publish,
   propose,
   advance,
   save,

@@ -1,5 +1,5 @@
 // A phase that several ranks share. Each rank computes its share; the one that leads collects the whole where it is
-// read as a whole: for frames, gauges and checkpoints.
+// read as a whole: for the other phase, frames, gauges and checkpoints.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -17,9 +17,9 @@
 namespace poretwin::ranks {
 
 /// All ranks call the same functions in the same order, except contract(), save(), restore(), may_reject() and
-/// warnings(), which concern one rank. Frames, gauges, counters and checkpoints of the rank that leads are those of the
-/// whole; the others have empty ones. A checkpoint is the one that a single rank would write, so that any number of
-/// ranks can go on from it.
+/// warnings(), which concern one rank. Publications, frames, gauges, counters and checkpoints of the rank that leads
+/// are those of the whole, in the order of ids; the others have empty ones. A checkpoint is the one that a single rank
+/// would write, so that any number of ranks can go on from it.
 ///
 /// Part: the phase in D dimensions on one rank, with setup(), state(), take_over(State) and a constructor from a case
 /// and a tiling. Its namespace has collected(setup, state): the whole on the rank that leads, without particles on the
@@ -33,6 +33,10 @@ class SharedPhase : public Phase {
     if (tiling->leads()) whole_.emplace(scene);
   }
   [[nodiscard]] coupling::Contract contract() const override { return own_.contract(); }
+  [[nodiscard]] coupling::Publication publish() const override {
+    collect();
+    return whole_ ? whole_->publish() : coupling::Publication{};
+  }
   [[nodiscard]] std::pair<double, std::string> proposal() const override { return own_.proposal(); }
   [[nodiscard]] bool may_reject() const override { return own_.may_reject(); }
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override {

@@ -4,8 +4,11 @@
 #pragma once
 
 #include "common/numerics/dense.hpp"
+#include "common/particles/tiling.hpp"
 #include "fluid_solver/exchange/soil_view.hpp"
 #include "fluid_solver/numerics/exchange.hpp"
+
+#include <optional>
 
 namespace poretwin::fluid {
 
@@ -14,10 +17,12 @@ class Passes {
  public:
   /// Called before a pass. Extrapolates view.found_velocity and view.found_force, which the solid found in the last
   /// pass, to the state from which this pass departs. Removes the fluid's own force of the last pass from found_force.
-  void begin(unsigned pass, SoilView<D>& view) {
-    if (pass == 0 || !view.found_velocity.is_allocated() || predicted_.size() != view.size()) {
+  /// tiling: of the ranks that share the water, all of which call this; null: this process has all particles.
+  void begin(unsigned pass, SoilView<D>& view, const Tiling<D>* tiling = nullptr) {
+    const Domain domain = tiling != nullptr ? Domain(tiling->ranks(), 0, 0) : Domain();
+    if (pass == 0 || !domain.any(view.found_velocity.is_allocated()) || domain.any(predicted_.size() != view.size())) {
       columns_ = {};
-      last_ = {};
+      last_.reset();
       view.found_velocity = view.found_force = {};
       found_ = {};
       pressure_ = {};
@@ -33,15 +38,15 @@ class Passes {
       now.departure.template segment<D>(at) = view.found_velocity[a] - predicted_[a];
     }
     found_ = view.found_velocity;
-    if (last_.motion.size() == n)
-      columns_.push_back({now.motion - last_.motion, now.force - last_.force, now.departure - last_.departure});
+    if (last_)
+      columns_.push_back({now.motion - last_->motion, now.force - last_->force, now.departure - last_->departure});
     last_ = now;
     if (columns_.size() > exchange::most_changes) columns_.erase(columns_.begin());
     if (!columns_.empty()) {
       Eigen::MatrixXd departures(n, static_cast<Eigen::Index>(columns_.size()));
       for (std::size_t k = 0; k < columns_.size(); ++k)
         departures.col(static_cast<Eigen::Index>(k)) = columns_[k].departure;
-      const Eigen::VectorXd share = least_squares(departures, now.departure, exchange::independent_change);
+      const Eigen::VectorXd share = shares_of(std::move(departures), now.departure, tiling);
       for (std::size_t k = 0; k < columns_.size(); ++k) {
         now.motion -= share[static_cast<Eigen::Index>(k)] * columns_[k].motion;
         now.force -= share[static_cast<Eigen::Index>(k)] * columns_[k].force;
@@ -73,8 +78,26 @@ class Passes {
   struct Pass {
     Eigen::VectorXd motion, force, departure;
   };
+  /// The shares x of the changes for which |A x - b| is least, over the rows of all ranks. A: departures of the changes
+  /// [n * D rows], b: this pass's departure. Each rank reduces its own rows to a triangle, and all solve for what these
+  /// have in common (TSQR; Demmel, Grigori, Hoemmen & Langou 2012).
+  static Eigen::VectorXd shares_of(Eigen::MatrixXd a, Eigen::VectorXd b, const Tiling<D>* tiling) {
+    if (tiling != nullptr) {
+      using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::Index n = a.cols();
+      Rows both(a.rows(), n + 1);
+      both << a, b;
+      const Rows own = upper_triangle(both);
+      const ScalarArray all = tiling->gather_numbers(ScalarArray(own.data(), own.data() + own.size()));
+      const Eigen::Map<const Rows> rows(all.data(), static_cast<Eigen::Index>(all.size()) / (n + 1), n + 1);
+      a = rows.leftCols(n);
+      b = rows.col(n);
+    }
+    return least_squares(a, b, exchange::independent_change);
+  }
+
   std::vector<Pass> columns_;  ///< changes from pass to pass
-  Pass last_;
+  std::optional<Pass> last_;
   ScalarArray pressure_;
   VecArray<D> predicted_;
   OrZero<Vec<D>> given_, found_;

@@ -85,8 +85,7 @@ bool load_begins(const Setup<D>& setup, double time) {
 /// such a long window. Soil that may slide begins to do so immediately. interval [s]: the window in which the soil
 /// first responds; 0 before it.
 template <int D>
-void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
-                   double& first_interval) {
+void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state) {
   const auto& n = state.particles.void_fraction;
   double stiffest = 0.0, drains = 0.0;
   for (std::size_t a = 0; a < view.size(); ++a) {
@@ -98,15 +97,14 @@ void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interv
   stiffest = setup.domain.max(stiffest);
   drains = setup.domain.max(drains);
   if (!setup.responds || stiffest <= 0.0) return;
-  first_interval = steps::first_wave * setup.spacing / std::sqrt(stiffest / setup.density);
-  state.controlled = std::max(first_interval, interval > 0.0 ? interval
-                                              : drains > 0.0 ? steps::first_drained / drains
-                                                             : 0.0);
+  state.first_interval = steps::first_wave * setup.spacing / std::sqrt(stiffest / setup.density);
+  state.controlled = std::max(state.first_interval, interval > 0.0 ? interval
+                                                    : drains > 0.0 ? steps::first_drained / drains
+                                                                   : 0.0);
 }
 
 template <int D>
-void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, double first_interval,
-                      State<D>& state) {
+void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, State<D>& state) {
   const auto& now = state.particles.pressure;
   if (state.controlled <= 0.0 || setup.domain.all(now.empty())) return;
   const auto& x = state.particles.position;
@@ -141,7 +139,7 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
   const double least =
       steps::shrinks_to * std::min(interval, state.controlled);  // another limit may have shortened this window
   state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled),
-                              steps::shortest_over_first * first_interval);
+                              steps::shortest_over_first * state.first_interval);
 }
 
 /// Limit of the next window where all water seeps, since the motion of its particles is extrapolated from two windows.
@@ -252,8 +250,7 @@ std::vector<char> left_soil(const Setup<D>& setup, const State<D>& state) {
 }
 
 template <int D>
-std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,
-                                          double first_interval) {
+std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state) {
   const auto& p = state.particles;
   std::pair<double, std::string> limit{HUGE_VAL, "nothing that moves"};
   const auto apply = [&](double interval, const std::string& why) {
@@ -262,7 +259,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   // Searches by halving begin at the other limits, or at a time much longer than any run.
   const double ever = 1e12 * std::sqrt(setup.spacing / setup.gravity_or_standard);
   if (state.controlled > 0.0) apply(state.controlled, "pressure change per window");
-  limit_by_loads(setup, first_interval, state.time, apply);
+  limit_by_loads(setup, state.first_interval, state.time, apply);
   for (const auto& l : state.window_limits) apply(l.interval, l.reason);
   // In soil that moves quasi-statically water has no waves, even outside the seepage regime.
   const double slow = quasi_static_speed(setup);
@@ -358,13 +355,13 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   template double wave_interval(const Setup<D>&);                                                                  \
   template double quasi_static_speed(const Setup<D>&);                                                             \
   template double free_interval(const Setup<D>&, const Particles<D>&, std::size_t);                                \
-  template void begin_control(const Setup<D>&, const SoilView<D>&, double, State<D>&, double&);                    \
-  template void control_interval(const Setup<D>&, const ScalarArray&, double, double, State<D>&);                  \
+  template void begin_control(const Setup<D>&, const SoilView<D>&, double, State<D>&);                             \
+  template void control_interval(const Setup<D>&, const ScalarArray&, double, State<D>&);                          \
   template void limit_by_slowing(const Setup<D>&, const VecArray<D>&, double, State<D>&);                          \
   template void limit_by_acceleration(const Setup<D>&, const SoilView<D>&, const VecArray<D>&, double, State<D>&); \
   template void limit_scheme(const Setup<D>&, const SoilView<D>&, State<D>&);                                      \
   template bool load_begins(const Setup<D>&, double);                                                              \
-  template std::pair<double, std::string> time_limit(const Setup<D>&, const Faces<D>&, const State<D>&, double);
+  template std::pair<double, std::string> time_limit(const Setup<D>&, const Faces<D>&, const State<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -24,15 +24,13 @@ template <int D>
 bool load_begins(const Setup<D>& setup, double time);
 
 /// Starts the control of windows by the change of pressure. interval [s]: length of the window in which the soil first
-/// responds; 0 before that window. first_interval [s]: is set to the length of the first window.
+/// responds; 0 before that window.
 template <int D>
-void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
-                   double& first_interval);
+void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state);
 
 /// Sets the next window that the control allows from this window's change of pressure, independently of the run time.
 template <int D>
-void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, double first_interval,
-                      State<D>& state);
+void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, State<D>& state);
 
 /// Limits of the next window that follow from this window. They are stored in State::window_limits; limit_by_slowing
 /// clears these first.
@@ -46,7 +44,6 @@ void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& stat
 
 /// The longest next window [s], and the reason for its limit.
 template <int D>
-std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,
-                                          double first_interval);
+std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state);
 
 }  // namespace poretwin::fluid

@@ -37,5 +37,16 @@ TEST(Dense, LeastSquaresAreNotLedAstrayByColumnsThatSayNothingNew) {
   EXPECT_LT((two.transpose() * (two * least_squares(two, b, 1e-9) - b)).norm(), 1e-14);
 }
 
+TEST(Dense, TrianglesOfPartsHaveTheLeastSquaresOfTheWhole) {
+  const Eigen::MatrixXd a = Eigen::MatrixXd::Random(9, 3), first = upper_triangle(a.topRows(7)),
+                        rest = upper_triangle(a.bottomRows(2));
+  EXPECT_EQ(first.rows(), 3);
+  EXPECT_EQ(rest.rows(), 2) << "fewer rows than columns";
+  EXPECT_EQ(upper_triangle(Eigen::MatrixXd(0, 3)).rows(), 0);
+  Eigen::MatrixXd both(5, 3);
+  both << first, rest;
+  EXPECT_LT((both.transpose() * both - a.transpose() * a).norm(), 1e-14);
+}
+
 }  // namespace
 }  // namespace poretwin

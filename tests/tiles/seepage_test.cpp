@@ -1,4 +1,5 @@
 // Water in rigid soil, and water that passes faces, shared by several ranks.
+#include "tests/tiles/loaded_column.hpp"
 #include "tests/tiles/water.hpp"
 
 #include <functional>
@@ -14,13 +15,6 @@ void for_cuts(const Shape& shape, const std::function<void(std::shared_ptr<MpiTi
 /// Seepage follows from the positions alone. Once a kernel rounds another way, velocities differ by some 1e-8, and do
 /// not differ by more later; so do those on one rank under a gravity that differs by 1e-11.
 constexpr std::size_t before_rounding = 3;
-
-Soil block(const Shape& shape, double conductivity = 1.1e-4) {
-  Soil soil = sand();
-  soil.hydraulic_conductivity = conductivity;
-  soil.shape = shape;
-  return soil;
-}
 
 /// Soil that is full of water between two reservoirs, under a lid.
 Case confined(const Shape& shape) {
@@ -189,55 +183,14 @@ TEST(SharedSeepage, PassesSoilInThreeDimensions) {
   EXPECT_GT(water.whole.state().counts.born, 10.0);
 }
 
-/// What soil below the height `top` [m] sends that gives way under a load, at rest or while it yields and sinks. Its
-/// edge is flat.
-coupling::Inbox loaded_soil(const VecArray<2>& places, double top, bool yields) {
-  coupling::Inbox box;
-  for (const Vec<2>& x : places) {
-    const double outside = (x.y() - top) / dx;
-    box.coverage.push_back(std::clamp(0.5 - 0.4 * outside, 0.0, 1.0));
-    const auto c = exchange::asymmetry_outside;
-    box.asymmetry.push_back(box.coverage.back() > 0.0 ? std::max(0.0, c[0] + outside * (c[1] + outside * c[2])) : 0.0);
-  }
-  const auto add = [&](std::string_view name, int components, const auto& value) {
-    coupling::Field field{std::string(name), components, {}};
-    for (const Vec<2>& x : places) {
-      if (components == 2) field.values.push_back(0.0);
-      field.values.push_back(value(x));
-    }
-    box.fields.push_back(std::move(field));
-  };
-  const auto everywhere = [](double value) { return [value](const Vec<2>&) { return value; }; };
-  const auto sinks = [yields](const Vec<2>& x) { return yields ? -0.1 * x.y() : 0.0; };
-  add(coupling::field::solid_velocity, 2, sinks);
-  add(coupling::field::mean_solid_velocity, 2, sinks);
-  add(coupling::field::volumetric_strain_rate, 1, everywhere(yields ? -0.09 : 0.0));
-  add(coupling::field::unbalanced_force, 2, [](const Vec<2>& x) { return -1e4 - 2e4 * x.y(); });
-  add(coupling::field::solid_volume_fraction, 1, everywhere(0.6));
-  add(coupling::field::grain_density, 1, everywhere(2600.0));
-  add(coupling::field::constrained_modulus, 1, [](const Vec<2>& x) { return x.y() > 0.1 ? 4e6 : 1e6; });
-  add(coupling::field::yielding, 1, everywhere(yields ? 0.8 : 0.0));
-  add(coupling::field::hydraulic_conductivity, 1, everywhere(1e-4));
-  add(coupling::field::forchheimer_coefficient, 1, everywhere(0.0));
-  add(coupling::field::returned_impulse, 2, everywhere(1e-5));
-  return box;
-}
-
 /// Pressure and skeleton are solved for together, to pressure::response_tolerance. Soil at rest that drains upwards
 /// under a load, and soil that yields under free water.
 TEST(SharedSeepage, ASkeletonResponds) {
   for (const bool yields : {false, true}) {
-    Case scene = still();
-    scene.solid.model = yields ? SolidCase::Model::drucker_prager : SolidCase::Model::elastic;
-    scene.solid.particle_spacing = dx;
-    scene.soils = {block(box(0.0, 0.0, 0.1, yields ? 0.3 : 0.4))};
-    scene.fluid.regions = {box(0.0, 0.0, 0.1, 0.4)};
-    for (const auto& side : {line(0.0, 0.6, 0.0, 0.0), line(0.0, 0.0, 0.1, 0.0), line(0.1, 0.0, 0.1, 0.6)})
-      scene.walls.push_back(wall(side));
-    if (!yields) scene.water_faces = {pressure_face(line(0.1, 0.4, 0.0, 0.4), 0.0)};
+    const Case scene = loaded_column(yields);
     for (const int axis : {0, 1}) {
       Shared<2> water(scene, across<2>(axis, 0.0, axis == 0 ? 0.1 : 0.4),
-                      [yields](const VecArray<2>& places) { return loaded_soil(places, yields ? 0.3 : 0.45, yields); });
+                      [yields](const VecArray<2>& places) { return loaded_soil(places, yields); });
       water.run(10, 2e-4);
       const Errors error = water.errors();
       EXPECT_LT(error.position, 1e-5);
