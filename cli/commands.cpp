@@ -240,8 +240,8 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
     command
         ->add_option(
             "--tiles", tiles,
-            "number of processes that share the soil or water, each with a tile of space (mpirun; dry soil, or "
-            "water without soil or in rigid soil)")
+            "number of processes that share the water, or dry soil, each with a tile of space (mpirun); beside "
+            "water, one process computes the soil that moves")
         ->type_name("P")
         ->check(CLI::Range(1, 4096).description(""))
         ->capture_default_str();

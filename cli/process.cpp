@@ -156,7 +156,7 @@ Child start(const Program& program, const Signals& signals) {
   auto variables = environment_of(program);
   const auto arguments = pointers(texts), environment = pointers(variables);
   const pid_t parent = ::getpid();
-  const int output = program.progress_on_stdout ? progress[1].get() : log.get();
+  const int output = program.reports_progress && program.progress_on_stdout ? progress[1].get() : log.get();
   child.pid = ::fork();
   if (child.pid == 0)
     become(arguments, environment, log.get(), output, progress[1].get(), report[1].get(), signals.before(), parent);

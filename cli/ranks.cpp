@@ -36,12 +36,7 @@ fs::path found_in_path(const std::string& program) {
 
 void expect_tiles(const RunOptions& options, const Case& scene) {
   const auto refuse = [&](std::string_view why) { throw CaseError(fmt::format("--tiles {}: {}", options.tiles, why)); };
-  if (scene.coupled())
-    refuse(
-        "expected a case of dry soil, or of water without soil or in rigid soil, found water in soil that moves: so "
-        "far several processes cannot share it");
   if (scene.has_field()) refuse("expected water as particles, found fluid.representation");
-  if (!options.solid.empty()) refuse("expected poretwin's own solid solver, found --solid");
   if (!options.fluid.empty()) refuse("expected poretwin's own fluid solver, found --fluid");
   if (!has_tiles)
     refuse(

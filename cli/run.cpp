@@ -151,7 +151,7 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   }
   programs.push_back(program("coupler", {"--bind", address}));
   programs.back().reports_progress = true;
-  programs.push_back(in_place(options.fluid, program("fluid", {"--connect", address})));
+  programs.push_back(in_place(options.fluid, over_ranks(options, program("fluid", {"--connect", address}))));
   programs.push_back(in_place(options.solid, program("solid", {"--connect", address})));
   // The solvers join once their particles are made, which may take minutes in 3D. One that fails is noticed at once; a
   // command of the user's may never join.

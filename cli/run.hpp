@@ -41,7 +41,7 @@ struct RunOptions {
   bool accept_changed_program = false;     ///< also resume a run that another program began
   std::optional<double> checkpoint_every;  ///< s of wall-clock time; absent: the processes' default
   int restarts = 2;                        ///< largest number of restarts after crashes
-  int tiles = 1;  ///< number of processes that share the soil or the water, each with one tile of space (mpirun)
+  int tiles = 1;  ///< number of processes that share the water or dry soil, each with one tile of space (mpirun)
   std::filesystem::path hosts;  ///< names of the machines for these processes, as mpirun reads them; empty: this one
 };
 

@@ -66,12 +66,19 @@ void expect_near(const std::vector<double>& found, const std::vector<double>& ex
   EXPECT_LE(by, allowed * most) << what;
 }
 
-class SharedBesideSoil : public testing::TestWithParam<bool> {};
+struct Setting {
+  const char* name;
+  bool yields;
+  void (*set)(Case&);
+};
+
+class SharedBesideSoil : public testing::TestWithParam<Setting> {};
 
 /// Every rank makes the same calls. The ranks that do not lead have empty publications, and send nothing.
 TEST_P(SharedBesideSoil, PublishesAsOneProcess) {
-  const bool yields = GetParam();
+  const bool yields = GetParam().yields;
   Case scene = loaded_column(yields);
+  GetParam().set(scene);
   scene.loads.emplace_back();
   scene.loads[0].start = interval * static_cast<double>(windows);
   scene.loads[0].traction = {0.0, -1e3, 0.0};
@@ -105,7 +112,10 @@ TEST_P(SharedBesideSoil, PublishesAsOneProcess) {
                   b.fields[f].name);
     }
   }
-  EXPECT_EQ(shared.back().limited_by, "a load that begins");
+  if (scene.fluid.skeleton_response) {
+    EXPECT_EQ(shared.back().limited_by, "a load that begins");
+  }
+  EXPECT_EQ(whole->counters().contains("s: first cavitation"), scene.water.cavitation_pressure > 0.0);
   // From a checkpoint the run goes on with the same windows and values.
   stored.expect_end();
   EXPECT_EQ(proposed, resumed.proposed_interval);
@@ -116,8 +126,15 @@ TEST_P(SharedBesideSoil, PublishesAsOneProcess) {
     EXPECT_EQ(resumed.fields[f].values, shared.back().fields[f].values) << resumed.fields[f].name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Soil, SharedBesideSoil, testing::Bool(),
-                         [](const auto& yields) { return yields.param ? "Yields" : "Drains"; });
+constexpr Setting settings[] = {
+    {"Drains", false, [](Case&) {}},
+    {"Yields", true, [](Case&) {}},
+    {"ComputesBeside", false, [](Case& scene) { scene.coupling.scheme = CouplingCase::Scheme::parallel; }},
+    {"DoesNotRespond", false, [](Case& scene) { scene.fluid.skeleton_response = false; }},
+    {"Cavitates", false, [](Case& scene) { scene.water.cavitation_pressure = 500.0; }},
+};
+INSTANTIATE_TEST_SUITE_P(Soil, SharedBesideSoil, testing::ValuesIn(settings),
+                         [](const auto& setting) { return setting.param.name; });
 
 }  // namespace
 }  // namespace poretwin::fluid::test
