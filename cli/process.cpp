@@ -176,7 +176,7 @@ Child start(const Program& program, const Signals& signals) {
 
 class Watch {
  public:
-  Watch(const std::function<void(const std::string&)>& progress, const std::function<void()>& tick,
+  Watch(const std::function<void(const std::string&)>& progress, const std::function<void(bool)>& tick,
         const Patience& patience)
       : progress_(progress), tick_(tick), patience_(patience) {}
 
@@ -194,7 +194,7 @@ class Watch {
       reap();
       if (const int stops = signals_.stops(); stops > 0 && running() > 0) interrupt();
       press();
-      tick_();
+      tick_(result_.interrupted);
     }
     read_progress();
     return std::move(result_);
@@ -291,7 +291,7 @@ class Watch {
   }
 
   const std::function<void(const std::string&)>& progress_;
-  const std::function<void()>& tick_;
+  const std::function<void(bool)>& tick_;
   Patience patience_;
   Signals signals_;
   std::vector<Child> children_;
@@ -303,7 +303,7 @@ class Watch {
 }  // namespace
 
 Watched run_together(const std::vector<Program>& programs, const std::function<void(const std::string&)>& progress,
-                     const std::function<void()>& tick, const Patience& patience) {
+                     const std::function<void(bool)>& tick, const Patience& patience) {
   return Watch(progress, tick, patience).run(programs);
 }
 

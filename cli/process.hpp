@@ -49,9 +49,10 @@ struct Patience {
   std::chrono::milliseconds grace{10000};  ///< time after Ctrl-C during which further ones are ignored
 };
 
-/// Starts all programs, passes their progress lines to `progress`, calls `tick` about four times a second, and returns
-/// when all have ended. Throws FileError where one cannot be started, after ending those already started.
+/// Starts all programs, passes their progress lines to `progress`, calls `tick` about four times a second with whether
+/// they have been asked to stop, and returns when all have ended. Throws FileError where one cannot be started, after
+/// ending those already started.
 Watched run_together(const std::vector<Program>& programs, const std::function<void(const std::string&)>& progress,
-                     const std::function<void()>& tick, const Patience& patience = {});
+                     const std::function<void(bool)>& tick, const Patience& patience = {});
 
 }  // namespace poretwin::cli

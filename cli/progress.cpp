@@ -39,6 +39,10 @@ void ProgressView::line(const std::string& json) {
 
 void ProgressView::doing(const std::string& what) { doing_ = what; }
 
+void ProgressView::stopping() {
+  if (!asked_to_stop_) asked_to_stop_ = Clock::now();
+}
+
 void ProgressView::say(const std::string& line) {
   if (shown_ && terminal_ && !quiet_) fmt::print(stderr, "\r\033[K");
   fmt::print(stderr, "{}\n", line);
@@ -46,6 +50,11 @@ void ProgressView::say(const std::string& line) {
 }
 
 std::string ProgressView::text() const {
+  if (asked_to_stop_) {
+    const double since = std::chrono::duration<double>(Clock::now() - *asked_to_stop_).count();
+    return fmt::format("stopping since {} at t = {:.4g} s, step {:.0f}{}{}", duration(since), time_, steps_,
+                       waiting_for_.empty() ? "" : ": waiting for ", waiting_for_);
+  }
   // No time has been simulated yet: programs start, or the initial equilibrium is being searched for.
   if (!known_ || (!doing_.empty() && time_ == 0.0))
     return fmt::format("starting, {}{}{}", duration(std::chrono::duration<double>(Clock::now() - start_).count()),
@@ -66,7 +75,7 @@ void ProgressView::tick() {
   next_ = now + (terminal_ ? std::chrono::milliseconds(250) : std::chrono::milliseconds(5000));
   if (terminal_)
     fmt::print(stderr, "\r\033[K{}", text());
-  else if (known_ || !doing_.empty())
+  else if (known_ || !doing_.empty() || asked_to_stop_)
     fmt::print(stderr, "{}\n", text());
   std::fflush(stderr);
   shown_ = true;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace poretwin::cli {
@@ -14,21 +15,25 @@ class ProgressView {
   void line(const std::string& json);
   /// Sets the text shown while no time has been simulated yet, for example during the search for equilibrium.
   void doing(const std::string& what);
+  /// The run has been asked to stop: what it still does is shown, in place of the time that is left.
+  void stopping();
   /// Prints a line that remains, even where progress is not shown.
   void say(const std::string& line);
   /// Shows the latest state if the time for it has come.
   void tick();
   /// Clears the progress line of the terminal.
   void finish();
+  /// The line that tick() shows.
+  [[nodiscard]] std::string text() const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  [[nodiscard]] std::string text() const;
   bool quiet_, terminal_;
   bool known_ = false, shown_ = false;
   double time_ = 0.0, end_ = 0.0, interval_ = 0.0, steps_ = 0.0, first_time_ = 0.0, first_steps_ = 0.0;
   std::string waiting_for_, doing_;
   Clock::time_point start_, first_, next_;
+  std::optional<Clock::time_point> asked_to_stop_;
 };
 
 /// The latest progress line as a file in the run's folder, for programs that watch the run (`poretwin view`). It is

@@ -423,8 +423,9 @@ RunResult run_case(const RunOptions& options) {
           view.line(line);
           progress->line(line);
         },
-        [&] {
+        [&](bool stopping) {
           tail.read();
+          if (stopping) view.stopping();
           view.tick();
         });
     view.finish();

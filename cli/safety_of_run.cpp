@@ -242,7 +242,7 @@ SafetyOfRun find_safety_of_run(const SafetyOfRunOptions& options) {
     });
   };
   const Watched watched = run_together(
-      {program_of(options, safety.out, *record, frames)}, [](const std::string&) {}, read);
+      {program_of(options, safety.out, *record, frames)}, [](const std::string&) {}, [&](bool) { read(); });
   read();
   safety.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const auto& ended : watched.ended) safety.cpu += ended.cpu;
