@@ -8,8 +8,7 @@
 
 namespace poretwin::sph {
 
-/// Reflections in a row that are followed. Near a corner of 90 degrees two fill the surroundings, near sharper corners
-/// more.
+/// Reflections in a row that are followed. Near a corner of 90 degrees two fill the surroundings.
 inline constexpr int most_reflections = 3;
 
 /// Images by all orders of mirrors, within `range` [m]: near a corner, different points see different orders.
