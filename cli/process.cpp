@@ -149,14 +149,14 @@ Child start(const Program& program, const Signals& signals) {
   if (program.reports_progress) {
     progress = make_pipe();
     ::fcntl(progress[0].get(), F_SETFL, O_NONBLOCK);
-    const int seen_as = program.progress_on_stdout ? STDOUT_FILENO : progress[1].get();
+    const int seen_as = program.by_mpirun ? STDOUT_FILENO : progress[1].get();
     texts.insert(texts.end(), {"--progress-fd", std::to_string(seen_as)});
   }
   auto report = make_pipe();
   auto variables = environment_of(program);
   const auto arguments = pointers(texts), environment = pointers(variables);
   const pid_t parent = ::getpid();
-  const int output = program.reports_progress && program.progress_on_stdout ? progress[1].get() : log.get();
+  const int output = program.reports_progress && program.by_mpirun ? progress[1].get() : log.get();
   child.pid = ::fork();
   if (child.pid == 0)
     become(arguments, environment, log.get(), output, progress[1].get(), report[1].get(), signals.before(), parent);
@@ -239,8 +239,10 @@ class Watch {
       Ended ended;
       ended.name = child.program.name;
       ended.log = child.program.log;
-      ended.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-      ended.status = ended.signal != 0 ? 128 + ended.signal : WEXITSTATUS(status);
+      ended.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+      const bool killed = WIFSIGNALED(status) || (child.program.by_mpirun && ended.status > 128 &&
+                                                  ended.status != static_cast<int>(ExitCode::interrupted));
+      ended.signal = killed ? ended.status - 128 : 0;
       ended.by_us = child.asked_to_end;
       const auto seconds = [](const timeval& t) {
         return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);

@@ -21,15 +21,17 @@ struct Program {
   std::map<std::string, std::string> environment;  ///< variables in addition to those of this process
   std::filesystem::path log;                       ///< file for its stdout and stderr
   bool reports_progress = false;                   ///< "--progress-fd N" is passed to it
-  bool progress_on_stdout = false;  ///< N is its stdout, then: for programs started through another one, such as mpirun
-  int stop_signal = SIGINT;         ///< asks it to finish the window and stop
-  bool goes_on = false;             ///< its run is resumed: append to the log
+  /// mpirun starts it: N is its stdout, which mpirun passes on, and the exit code 128 + n says that signal n killed one
+  /// of its ranks.
+  bool by_mpirun = false;
+  int stop_signal = SIGINT;  ///< asks it to finish the window and stop
+  bool goes_on = false;      ///< its run is resumed: append to the log
 };
 
 struct Ended {
   std::string name;
   int status = 0;      ///< exit code; 128 + signal where a signal killed it
-  int signal = 0;      ///< signal that killed it; 0: it ended by itself
+  int signal = 0;      ///< signal that killed it, or one of its ranks; 0: it ended by itself
   bool by_us = false;  ///< killed by this process, after another one's failure or Ctrl-C
   double cpu = 0.0;    ///< s
   std::filesystem::path log;

@@ -57,7 +57,7 @@ Program over_ranks(const RunOptions& options, Program solver) {
   started.push_back(fs::absolute(solver.file).string());
   solver.file = found_in_path("mpirun");
   solver.arguments.insert(solver.arguments.begin(), started.begin(), started.end());
-  solver.progress_on_stdout = true;
+  solver.by_mpirun = true;
   solver.stop_signal = SIGUSR1;
   // How many cores other machines have is not known here: there a rank has one thread, or as many as the user says.
   const bool here = options.hosts.empty(), said = std::getenv("OMP_NUM_THREADS") != nullptr;

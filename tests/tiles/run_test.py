@@ -126,13 +126,13 @@ class Tiles(Runs):
         self.assertTrue((np.diff(times) > 0.0).all())
 
     def test_ends_when_a_rank_dies(self):
-        running = subprocess.Popen(self.command("run", "--set", "case.end_time=6", "--tiles", "3"), stderr=subprocess.PIPE, text=True)
+        running = subprocess.Popen(self.command("run", "--set", "case.end_time=6", "--tiles", "3", "--restarts", "0"), stderr=subprocess.PIPE, text=True)
         pids = wait_for(lambda: (found := ranks_below(running.pid)) and len(found) == 3 and (self.folder / "run" / "solid.vtkhdf").exists() and found)
         start = time.monotonic()
         os.kill(pids[2], signal.SIGKILL)
         said = running.communicate(timeout=60)[1]
         self.assertLess(time.monotonic() - start, 5.0)
-        self.assertNotEqual(running.returncode, 0)
+        self.assertIn(running.returncode, (1, 3), said)  # 3: another rank missed its signs of life before mpirun heard of its death
         self.assertIn("rank 2", said)
         wait_for(lambda: not any(is_running(pid) for pid in pids), 3)
 
@@ -240,7 +240,8 @@ class TilesBesideSoil(Runs):
                 start = time.monotonic()
                 os.kill(ranks[1] if dies == "rank" else solid, signal.SIGKILL)
                 said = self.end_of(running, [*ranks, solid], start)
-                self.assertEqual(running.returncode, 137 if dies == "rank" else 1, said)
+                # 3: the other rank missed its signs of life before mpirun heard of its death.
+                self.assertIn(running.returncode, (1, 3) if dies == "rank" else (1,), said)
                 self.assertIn("rank 1" if dies == "rank" else "solid was killed by signal 9", said)
 
 
