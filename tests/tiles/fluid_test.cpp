@@ -319,11 +319,6 @@ TEST(SharedWater, RefusesWhatItCannotCompute) {
   scene = possible;
   scene.gauges = {gauge("balance", "unexplained_impulse")};
   expect_refused(scene, "[[gauge]] \"balance\"");
-  scene = possible;
-  scene.soils = {sand()};
-  scene.soils[0].shape = box(0.5, 0.0, 0.6, 0.1);
-  scene.solid.model = SolidCase::Model::elastic;
-  EXPECT_THROW(make_shared_fluid<2>(scene, std::make_shared<MpiTiling<2>>(all_ranks(), 0.2)), CaseError);
   Fluid<2> fluid(possible, std::make_shared<MpiTiling<2>>(all_ranks(), 0.2));
   Archive archive;
   EXPECT_THROW(fluid.archive(archive), Error);
