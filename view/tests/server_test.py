@@ -319,13 +319,18 @@ class WhileARealRunWrites(unittest.TestCase):
                    "--no-pictures", "--set", "output.interval=0.0005", "--set", "fluid.particle_spacing=0.05"]
         writer = subprocess.Popen(command)
         try:
-            looks, frames, torn = 0, 0, 0
+            looks, frames, torn, late = 0, 0, 0, 0
             while writer.poll() is None:
                 if not (place / "run").is_dir():
                     continue
                 folder = os.open(place / "run", os.O_RDONLY)
-                look = snapshot.read(folder, "fluid.vtkhdf", 0, 1 << 28)
-                os.close(folder)
+                try:
+                    look = snapshot.read(folder, "fluid.vtkhdf", 0, 1 << 28)
+                except snapshot.Unreadable:  # on a busy machine: the reader is stopped during every look
+                    late += 1
+                    continue
+                finally:
+                    os.close(folder)
                 if look is None or len(look[2]) < 2048:
                     continue  # the library flushes once when it makes a file, before any content
                 (place / "copy.h5").write_bytes(look[2])
@@ -343,7 +348,7 @@ class WhileARealRunWrites(unittest.TestCase):
                 looks += 1
             self.assertEqual(writer.wait(), 0)
             self.assertEqual(torn, 0)
-            self.assertGreater(looks, 20)
+            self.assertGreater(looks, max(20, late))
             self.assertGreater(frames, 50)
         finally:
             writer.kill()
