@@ -38,7 +38,9 @@ def page(found):
     cases = [json.loads(file.read_text()) for file in sorted(found.glob("*.json"))]
     lines = ["# Validation", "", "Made by `bench/validation.py` from the runs themselves; the reference numbers and their sources stand in "
              "`cases/*/reference`.", "The short form of a case is coarser or ends sooner than the full one, against the same bounds "
-             "unless its verify.toml says otherwise. Run times are those of the machine and of what else ran on it; docs/performance.md has the others.", "",
+             "unless its verify.toml says otherwise. Where a result hangs on chance a run is repeated as several histories "
+             "(`histories` in verify.toml): particles displaced by a millionth of a spacing, single numbers such as cohesion changed by a "
+             "percent; the mean is held against the reference, and the standard deviation may have a bound of its own (`spread`). Run times are those of the machine and of what else ran on it; docs/performance.md has the others.", "",
              "| case | form | within its bounds | metrics | CPU s |", "| --- | --- | --- | --- | --- |"]
     for case in cases:
         missed = sum(not m["passed"] for m in case["metrics"])
