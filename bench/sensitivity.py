@@ -10,8 +10,8 @@
 
 The values are changed in a scratch copy of the sources: a worktree of the last commit in a temporary folder with its own build, or the
 tree of --scratch, which is kept and whose existing build is used. It is built once: its programs read a factor for one constant from
-the environment (NUMBER). The tests of a constant must pass there before the constant is changed. If no change of a constant makes a
-test fail, either the constant is not needed, or its test is missing.
+the environment (NUMBER); constants of one name in one header change together. The tests of a constant must pass there before it is
+changed. If no change of a constant makes a test fail, either the constant is not needed, or its test is missing.
 Results go to docs/notebook/sensitivity.md, which keeps its rows for other constants.
 Exit code: 0 each constant that was tried made a test fail, 1 some did not, 2 a test fails without any change.
 """

@@ -38,7 +38,7 @@ inline constexpr double longest_move = 0.05;
 inline constexpr double renewing = 0.1;
 /// Largest correction of the stress between a pair of particles in soil that has yielded a little since the last
 /// correction. The motion that a correction causes must die out: with 30 the soil never comes to rest.
-/// Unit: G times plastic strain. Test: RegularFlow.EvensOutStressWhereSoilYieldedALittleAndNothingElse (untried).
+/// Unit: G times plastic strain. Test: RegularFlow.EvensOutStressWhereSoilYieldedALittleAndNothingElse.
 inline constexpr double evened_out = 3.0;
 /// A particle counts as lying at a surface where |sum V grad W| h exceeds this. At a flat surface it is 0.7.
 /// Unit: 1. Test: none known.

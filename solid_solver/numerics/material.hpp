@@ -18,14 +18,14 @@ namespace poretwin::solid::cam_clay {
 /// Largest elastic change of the pressure in one implicit step of Cam-Clay, and largest change of the deviator over the
 /// pressure. Longer increments are divided: the error of a step falls with the square of the pressure's change and
 /// linearly with the deviator's.
-/// Unit: the pressure. Test: CamClay.LargeStepsEndWhereSmallOnesDo (untried).
+/// Unit: the pressure. Test: none known.
 inline constexpr double longest_step = 0.05;
 /// Largest number of steps into which an increment is divided. Soil that has not failed needs fewer steps.
 /// Unit: steps. Test: none known (a guard).
 inline constexpr double most_steps = 1e5;
 /// Newton's iteration ends at this residual: of the yield function over pc^2 (pc: preconsolidation pressure), and of
 /// the plastic compression.
-/// Unit: 1. Test: CamClay.FollowsTheTables (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double reached = 1e-11;
 /// A step is divided after this number of rounds of Newton's iteration. It usually needs 4 or 5 rounds.
 /// Unit: rounds. Test: none known (time, not results).
@@ -58,10 +58,10 @@ inline constexpr double reached = 1e-10;
 /// Unit: 1. Test: none known (time, not results).
 inline constexpr double probe = 1e-4;
 /// A direction of strain counts as without effect on the conditions where its pivot, over the largest, is below this.
-/// Unit: 1. Test: Element.CompressionEndsAtCoulombsStrengthAndDilatesByTheFlowRule (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double singular = 1e-6;
 /// Largest number of rounds of Newton's iteration in one step.
-/// Unit: rounds. Test: Element.SaysWhereTheSoilBearsNoMore (untried).
+/// Unit: rounds. Test: none known.
 inline constexpr int rounds = 60;
 /// Least fraction of a correction of Newton's iteration that is tried.
 /// Unit: 1. Test: none known.

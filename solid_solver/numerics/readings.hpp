@@ -21,7 +21,7 @@ inline constexpr double inside_centre = 0.1;
 /// Unit: spacings. Test: none known.
 inline constexpr double step = 0.25;
 /// Largest distance between two particles that are joined in a slip surface.
-/// Unit: spacings. Test: SlipSurface.IsAsStrongAsItsWeakestLink (untried).
+/// Unit: spacings. Test: SlipSurface.IsAsStrongAsItsWeakestLink.
 inline constexpr double link = 1.5;
 
 /// Largest local factor of safety written to frames. Without shear stress the factor is infinite, which many programs

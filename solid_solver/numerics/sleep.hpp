@@ -13,26 +13,26 @@ inline constexpr double restless = 3e-3;
 /// Unit: 1. Test: none known.
 inline constexpr double local_share = 0.05;
 /// A change of the degree of saturation by more than this ends the rest of soil whose cohesion depends on saturation.
-/// Unit: 1. Test: Regions.WakeForWater (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double softening = 0.01;
 /// Waves are damped while the departure of the soil from rest (docs/theory/equilibrium.md; rms) is below this value.
-/// Unit: `wake_above` of the case. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
+/// Unit: `wake_above` of the case. Test: none known.
 inline constexpr double damped_below = 10.0;
 
 /// Distance that elastic waves travel between two checks for activity.
 /// Unit: spacings. Test: none known.
 inline constexpr double travel = 5.0;
 /// Time after which soil that has not moved counts as calm: two periods of a column of the soil's height.
-/// Unit: travel times of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
+/// Unit: travel times of a wave. Test: Regions.OfACollapseSleepAndErrLittle.
 inline constexpr double calm_after = 8.0;
 /// Time after which soil that has not moved falls asleep.
-/// Unit: travel times of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
+/// Unit: travel times of a wave. Test: Regions.OfACollapseSleepAndErrLittle.
 inline constexpr double asleep_after = 12.0;
 /// Time between two checks for soil that may fall asleep.
 /// Unit: travel times of a wave. Test: none known.
 inline constexpr double between_checks = 1.0;
 /// Width of the margin of soil that stays awake around soil that is not calm.
-/// Unit: ranges of the pair lists. Test: Regions.FeelAllTheirNeighbours (untried).
+/// Unit: ranges of the pair lists. Test: none known.
 inline constexpr double margin = 2.0;
 
 }  // namespace poretwin::solid::sleep

@@ -10,14 +10,14 @@ namespace poretwin::solid::statics {
 
 /// Accepted error of the stress in soil that cannot yield. It is relative to the stress under gravity, in the norm of
 /// the elastic energy.
-/// Unit: 1. Test: Equilibrium.OfAColumnBetweenRollers (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double elastic_error = 1e-3;
 /// In soil that cannot yield the search for an equilibrium ends at this fraction of elastic_error.
 /// Unit: 1. Test: none known.
 inline constexpr double elastic_share = 0.2;
 /// Error of the stress at which the search ends in soil that can yield, in the norm of elastic_error. It is smaller,
 /// since the remaining error makes such soil creep in every window.
-/// Unit: 1. Test: LongWindow.EndsInEquilibrium (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double plastic_error = 1e-4;
 /// No equilibrium is searched for where the departure from rest is below this value.
 /// Unit: 1. Test: none known.
@@ -30,7 +30,7 @@ inline constexpr double held_by_nothing = 0.03;
 /// Unit: the reference acceleration. Test: none known.
 inline constexpr double woken_by = 5e-3;
 /// Longest time of dynamic relaxation, in a window for which the search finds no equilibrium.
-/// Unit: travel times of a wave. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
+/// Unit: travel times of a wave. Test: none known.
 inline constexpr double most_ways = 100.0;
 /// Dynamic relaxation, and the search for an equilibrium at the end of a window, are given up once any particle is
 /// displaced by this length.
@@ -45,7 +45,7 @@ inline constexpr double farthest_elastic = 0.1;
 /// Unit: 1. Test: none known.
 inline constexpr double criterion = 4e-4;
 /// Largest number of trial displacements in one search.
-/// Unit: displacements. Test: Equilibrium.ThatDoesNotExistLeavesTheSoilAsItWas (untried).
+/// Unit: displacements. Test: none known.
 inline constexpr std::size_t most_tried = 300;
 /// Number of trial displacements after which it is checked whether only a local part of the soil still moves.
 /// Unit: displacements. Test: none known (time, not results).
@@ -75,11 +75,11 @@ inline constexpr double inverse_accuracy = 1e-2;
 inline constexpr int most_inverse_iterations = 100;
 
 /// The bisection for the factor of safety ends where the width of the bracket, over the factor, falls to this value.
-/// Unit: 1. Test: FactorOfSafety.OfALayerOnASlope (untried).
+/// Unit: 1. Test: FactorOfSafety.OfALayerOnASlope.
 inline constexpr double safety_tolerance = 0.01;
 
 /// Soil counts as at rest where the largest acceleration is below this value, unless the caller gives a criterion.
-/// Unit: the reference acceleration. Test: Rest.ReportsItsCriterion (untried).
+/// Unit: the reference acceleration. Test: Rest.ReportsItsCriterion.
 inline constexpr double rest_criterion = 1e-3;
 /// Longest time of the search for rest in soil that does not yield.
 /// Unit: travel times of a wave. Test: none known.
@@ -89,7 +89,7 @@ inline constexpr double rest_ways = 50.0;
 inline constexpr double rest_ways_yielding = 200.0;
 /// Weight of the previous damping rate in its average with the present rate once something yields. The average extends
 /// over about twenty steps.
-/// Unit: 1. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double damping_memory = 0.95;
 /// Least damping rate once soil yields, over that of elastic soil.
 /// Unit: 1. Test: none known.

@@ -10,11 +10,11 @@ namespace poretwin::solid::steps {
 inline constexpr double careful = 0.8;
 /// Courant number of the substeps of soil that runs without water. Measured limits of stability: 1.07 at the tips of
 /// wedges cut off by walls with image particles, 1.24 at faces (docs/theory/steps.md).
-/// Unit: 1. Test: GravityColumn.EdgesOfAWedgeLeaveRoom (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double courant = 1.0;
 /// Courant number of the substeps of soil with soft edges (docs/theory/soil.md) in 2D. The measured limit of stability
 /// in disordered soil is 1.6.
-/// Unit: 1. Test: GravityColumn.AWedgeOfGrainsOnARoughWallTakesLongerSteps (untried).
+/// Unit: 1. Test: GravityColumn.AWedgeOfGrainsOnARoughWallTakesLongerSteps.
 inline constexpr double courant_soft_2d = 1.4;
 /// Courant number of the substeps of soil with soft edges (docs/theory/soil.md) in 3D. Measured stability limit: 1.5.
 /// Unit: 1. Test: none known.
@@ -24,12 +24,12 @@ inline constexpr double courant_soft_3d = 1.3;
 /// It stops the compression of undrained soil only if the soil's shortest waves pass less than half a period in the
 /// window: omega Dt < pi. Their angular frequency omega is about 1 / dt, with the substep dt. In windows of four
 /// substeps the noise of a sudden load does not die out in a column of k = 1e-6 m/s.
-/// Unit: substeps. Test: Window.ConsolidatesWithAnAnalyticPartner (untried).
+/// Unit: substeps. Test: none known.
 inline constexpr double substeps_while_moving = 2.0;
 
 /// A long window is refused, since inertia matters, where the kinetic energy over the energy that drag and plastic flow
 /// dissipate in the window exceeds this. The ratio is some thousandths in soil that consolidates, 1 in a wave.
-/// Unit: 1. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
+/// Unit: 1. Test: none known.
 inline constexpr double noticed = 0.05;
 /// The first pass through a window is repeated where the force borne by neither phase (docs/theory/coupling.md, section
 /// 3) exceeds this. With 0.003, the bound of later passes, the passes of an embankment with a yielding skin at a
@@ -42,7 +42,7 @@ inline constexpr double worth_repeating = 0.02;
 inline constexpr double few_held = 5.0;
 /// The length of the next window is chosen such that the plastic shear strain in a window has this value; only a local
 /// part of the soil may exceed it. The dilation that goes with the shear reaches the fluid one window later.
-/// Unit: 1. Test: LongWindow.TheNextFollowsWhatSoilHasSheared (untried).
+/// Unit: 1. Test: LongWindow.TheNextFollowsWhatSoilHasSheared.
 inline constexpr double sheared_in_a_window = 2e-3;
 /// Least ratio of the next window's length to that of the present window, where the soil's shear limits it.
 /// Unit: 1. Test: none known.
@@ -59,7 +59,7 @@ inline constexpr double without_equilibrium = 0.25;
 inline constexpr double least_by_shear = 4.0;
 /// The soil shears undrained, so that none of its shear is reported as plastic, where the degree of drainage in a
 /// window is below this. This degree is the window's length over the time of consolidation H^2 gamma_w / (k M).
-/// Unit: 1. Test: LongWindow.TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained (untried).
+/// Unit: 1. Test: LongWindow.TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained.
 inline constexpr double undrained = 0.2;
 
 /// Factor by which the time grows for which moving soil must have been calm before an equilibrium is searched for
