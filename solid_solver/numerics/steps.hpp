@@ -6,7 +6,7 @@ namespace poretwin::solid::steps {
 
 /// Courant number of the substeps in the search for rest, and in soil that is coupled with water. A window consists of
 /// a whole number of substeps, and the length of the windows influences how embankments fail.
-/// Unit: 1. Test: none known.
+/// Unit: 1. Test: Readout.CrestSettlesUnderALoad.
 inline constexpr double careful = 0.8;
 /// Courant number of the substeps of soil that runs without water. Measured limits of stability: 1.07 at the tips of
 /// wedges cut off by walls with image particles, 1.24 at faces (docs/theory/steps.md).
@@ -45,13 +45,13 @@ inline constexpr double few_held = 5.0;
 /// Unit: 1. Test: LongWindow.TheNextFollowsWhatSoilHasSheared.
 inline constexpr double sheared_in_a_window = 2e-3;
 /// Least ratio of the next window's length to that of the present window, where the soil's shear limits it.
-/// Unit: 1. Test: none known.
+/// Unit: 1. Test: LongWindow.TheNextFollowsWhatSoilHasSheared.
 inline constexpr double shrinks_to = 0.3;
 /// Factor by which the longest quasi-static window grows after such a window was accepted.
 /// Unit: 1. Test: none known.
 inline constexpr double grows_to = 1.25;
 /// Ratio of the length of the next trial window to that of a window in which no equilibrium was found.
-/// Unit: 1. Test: none known.
+/// Unit: 1. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm.
 inline constexpr double without_equilibrium = 0.25;
 /// Shortest window that the soil's shear imposes. Its unit, long_window(), is the time in which a wave crosses the soil
 /// and returns.
@@ -67,7 +67,7 @@ inline constexpr double undrained = 0.2;
 /// Unit: 1. Test: none known.
 inline constexpr double patience_grows = 2.0;
 /// Lower limit of the calm time (patience_grows) after which an equilibrium of moving soil is searched for again.
-/// Unit: long windows. Test: none known.
+/// Unit: long windows. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm.
 inline constexpr double least_patience = 5.0;
 /// Upper limit of the calm time (patience_grows) after which an equilibrium of moving soil is searched for again.
 /// Unit: long windows. Test: none known.
