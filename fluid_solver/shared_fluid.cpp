@@ -1,23 +1,27 @@
 #include "fluid_solver/shared_fluid.hpp"
 
 #include "common/core/error.hpp"
+#include "fluid_solver/discretisation/ranks.hpp"
 #include "fluid_solver/fluid.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace poretwin::fluid {
 namespace {
 
 /// Where the particles of this rank stand among those of all ranks, in the order of ids; and the number of the latter.
-std::pair<std::vector<std::size_t>, std::size_t> places_in_whole(const auto& tiling, std::span<const GlobalId> ids) {
-  ScalarArray all = tiling.gather_numbers(ScalarArray(ids.begin(), ids.end()));
-  std::ranges::sort(all);
+template <int D>
+std::pair<std::vector<std::size_t>, std::size_t> places_in_whole(const Setup<D>& setup, std::span<const GlobalId> ids) {
+  std::vector<std::array<double, 1>> own;
+  for (const GlobalId id : ids) own.push_back({static_cast<double>(id)});
+  const auto all = from_all_ranks<D, 1>(setup, own);
   std::vector<std::size_t> places;
   places.reserve(ids.size());
-  for (const GlobalId id : ids)
-    places.push_back(static_cast<std::size_t>(std::ranges::lower_bound(all, static_cast<double>(id)) - all.begin()));
+  for (const auto& id : own)
+    places.push_back(static_cast<std::size_t>(std::ranges::lower_bound(all, id) - all.begin()));
   return {std::move(places), all.size()};
 }
 
@@ -43,7 +47,7 @@ coupling::Inbox SharedFluid<D>::share_of(const coupling::Inbox& inbox) const {
   if (setup.tiling->leads()) sent(own = inbox);
   Archive received(setup.tiling->from_leader(sent.bytes()));
   received(own);
-  const auto [places, count] = places_in_whole(*setup.tiling, this->own_.state().particles.share.ids);
+  const auto [places, count] = places_in_whole<D>(setup, this->own_.state().particles.share.ids);
   if (own.coverage.size() != count)
     throw PeerError(
         fmt::format("the exchange brought values for {} fluid particles, there are {}", own.coverage.size(), count));

@@ -160,8 +160,7 @@ bool Gate::look() {
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
         note(
             "a connection was turned away: its encryption does not match. Has only one side keys, or were they not "
-            "made "
-            "together by `poretwin keys`?");
+            "made together by `poretwin keys`?");
         break;
       case ZMQ_EVENT_DISCONNECTED:
         if (found == connections_.end()) break;

@@ -90,29 +90,32 @@ double coverage_past_walls(const Setup<D>& setup, const State<D>& state, const V
   return sum;
 }
 
-/// Coverage of each particle's place by the soil's kernels, its own included.
+/// Kernel sums over the neighbours of each particle and itself.
 template <int D>
-ScalarArray coverage(const Setup<D>& setup, const State<D>& state) {
+struct Surroundings {
+  ScalarArray cover;   ///< coverage of the particle's place by soil
+  VecArray<D> centre;  ///< m, first moment of the coverage about the particle
+};
+template <int D>
+Surroundings<D> surroundings(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length;
-  ScalarArray cover(state.particles.size());
-  for (std::size_t i = 0; i < cover.size(); ++i) cover[i] = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
+  const std::size_t n = state.particles.size();
+  Surroundings<D> sums{ScalarArray(n), VecArray<D>(n, Vec<D>::Zero())};
+  for (std::size_t i = 0; i < n; ++i) sums.cover[i] = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
   for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
-    const double r = (state.nodes[j].position - state.nodes[i].position).norm();
-    cover[i] += state.nodes[j].volume * sph::WendlandC2<D>::value(r, h);
+    const Vec<D> r = state.nodes[j].position - state.nodes[i].position;
+    const double weight = state.nodes[j].volume * sph::WendlandC2<D>::value(r.norm(), h);
+    sums.cover[i] += weight;
+    sums.centre[i] += weight * r;
   });
-  return cover;
+  return sums;
 }
 
-/// Whether each particle lies inside the soil (1 or 0), by kernel sums over its neighbours and itself.
+/// Whether each particle lies inside the soil (1 or 0).
 template <int D>
 std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length;
-  const ScalarArray cover = coverage(setup, state);
-  VecArray<D> centre(cover.size(), Vec<D>::Zero());
-  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
-    const Vec<D> r = state.nodes[j].position - state.nodes[i].position;
-    centre[i] += state.nodes[j].volume * sph::WendlandC2<D>::value(r.norm(), h) * r;
-  });
+  const auto [cover, centre] = surroundings(setup, state);
   std::vector<char> found(state.particles.free());
   for (std::size_t i = 0; i < found.size(); ++i)
     found[i] = cover[i] > readings::inside_cover && centre[i].norm() < readings::inside_centre * h * cover[i];
@@ -175,7 +178,7 @@ template <int D>
 double crest_level(const Setup<D>& setup, const State<D>& state, const std::function<bool(const Vec<D>&)>& counts) {
   const auto& p = state.particles;
   const Vec<D> up = upwards(setup);
-  const ScalarArray cover = coverage(setup, state);
+  const ScalarArray cover = surroundings(setup, state).cover;
   double top = -std::numeric_limits<double>::infinity(), highest = top;
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (!counts(p.position[i])) continue;
