@@ -36,14 +36,7 @@ TEST(Basin, DrainsThroughSoilAtItsClosedForm) {
   scene.water_faces[0].discharge = constant(Q);
   scene.water_faces[0].basin_area = Series{{{0.0, A}, {1.0, A}}};
   scene.water_faces[0].name = "basin";
-  for (const auto& [name, kind] : {std::pair{"level", "level"}, std::pair{"in", "passed_volume"}}) {
-    Gauge gauge;
-    gauge.name = name;
-    gauge.phase = "fluid";
-    gauge.kind = kind;
-    gauge.quantity = "basin";
-    scene.gauges.push_back(gauge);
-  }
+  scene.gauges = {gauge("level", "level", {}, "basin"), gauge("in", "passed_volume", {}, "basin")};
   Fluid<2> fluid(scene);
   fluid.initialise({});
   double time = 0.0;

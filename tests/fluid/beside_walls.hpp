@@ -14,12 +14,6 @@ namespace poretwin::fluid::test {
 
 inline constexpr double dx = 0.04;  ///< particle spacing [m]
 
-inline Wall line_of(const std::vector<std::array<double, 2>>& points) {
-  Face face;
-  for (const auto& [x, y] : points) face.points.push_back(Point3(x, y, 0.0));
-  return wall(face);
-}
-
 /// The water of the scene as the solver sees it at first, with its particles moved by up to `jitter` spacings.
 inline Stencil<2> seen(const Case& scene, double jitter) {
   const Walls<2> walls(scene, {});

@@ -115,12 +115,7 @@ TEST(FreeWater, ShortWindowsFeedItNoEnergy) {
 // At half a spacing beyond the foremost particle, a wedge would end 0.83 spacings early, averaged over its positions.
 TEST(FreeWater, AWedgeReachesAsFarAsItsTip) {
   Case scene = tank(0.02, 2.0);
-  Gauge gauge;
-  gauge.name = "extent";
-  gauge.phase = "fluid";
-  gauge.kind = "extent";
-  gauge.points = {Point3(0.0, 0.0, 0.0), Point3(2.0, 0.0, 0.0)};
-  scene.gauges = {gauge};
+  scene.gauges = {gauge("extent", "extent", {Point3(0.0, 0.0, 0.0), Point3(2.0, 0.0, 0.0)})};
   double error = 0.0;
   for (int i = 0; i < 20; ++i) {
     const double length = 1.0 + 0.003 * i;
@@ -149,11 +144,7 @@ TEST(FreeWater, VorticesDecayAtTheRateOfTheViscosity) {
     scene.fluid.regions = {box(0.0, 0.0, 1.0, 1.0)};
     scene.fluid.initial_vortices = 0.01;
     scene.fluid.jitter = jitter;
-    Gauge gauge;
-    gauge.name = "energy";
-    gauge.phase = "fluid";
-    gauge.kind = "kinetic_energy";
-    scene.gauges = {gauge};
+    scene.gauges = {gauge("energy", "kinetic_energy")};
     Fluid<2> fluid(scene);
     fluid.initialise({});
     fluid.advance({0, 0.0, interval}, {});

@@ -26,6 +26,13 @@ inline Wall wall(Face face) {
   return w;
 }
 
+/// A wall along a line of several pieces; the domain is on its left.
+inline Wall line_of(const std::vector<std::array<double, 2>>& points) {
+  Face face;
+  for (const auto& [x, y] : points) face.points.push_back(Point3(x, y, 0.0));
+  return wall(face);
+}
+
 inline Series constant(double value) { return Series{{{0.0, value}}}; }
 
 inline WaterFace head_face(Face face, double head) {

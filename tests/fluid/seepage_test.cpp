@@ -260,11 +260,7 @@ TEST(Seepage, WaterEndsAtASeepageFace) {
   scene.walls = {wall(line(0.0, 0.0, 0.3, 0.0)), wall(line(0.3, 0.1, 0.0, 0.1))};
   scene.water_faces = {pressure_face(line(0.0, 0.1, 0.0, 0.0), 2943.0), pressure_face(line(0.3, 0.0, 0.3, 0.1), -1.0)};
   scene.water_faces[0].name = "in";
-  Gauge in;
-  in.name = in.kind = "passed_volume";
-  in.phase = "fluid";
-  in.quantity = "in";
-  scene.gauges = {in};
+  scene.gauges = {gauge("passed_volume", "passed_volume", {}, "in")};
   Fluid<2> fluid(scene);
   fluid.initialise({});
   EXPECT_NEAR(mean_flow(fluid, "passed_volume", 1000.0, 3000.0) / 1.1e-5, 1.0, 1e-3);
@@ -285,11 +281,7 @@ Case two_soils(bool side_by_side, double dx, double jitter) {
   for (const int i : {0, 1}) {
     auto& name = scene.water_faces[static_cast<std::size_t>(i)].name;
     name = i == 0 ? "left" : "right";
-    Gauge passed;
-    passed.name = passed.quantity = name;
-    passed.kind = "passed_volume";
-    passed.phase = "fluid";
-    scene.gauges.push_back(passed);
+    scene.gauges.push_back(gauge(name, "passed_volume", {}, name));
   }
   return scene;
 }

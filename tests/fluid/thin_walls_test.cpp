@@ -10,12 +10,6 @@ namespace {
 
 using namespace test;
 
-Wall line_of(const std::vector<std::array<double, 2>>& points) {
-  Face face;
-  for (const auto& [x, y] : points) face.points.push_back(Point3(x, y, 0.0));
-  return wall(face);
-}
-
 /// Two tanks side by side, with water 1.2 and 0.4 m deep and a partition between them; thickness 0: a line.
 Case two_tanks(double thickness, double spacing) {
   Case scene;

@@ -11,6 +11,7 @@ namespace {
 
 using test::column;
 using test::ColumnSpec;
+using test::whole;
 
 struct Errors {
   double vertical = 0.0, horizontal = 0.0;  ///< largest error, over the value at the base
@@ -44,13 +45,6 @@ double gauge(const Phase& solid, const std::string& name) {
     if (reading.gauge == name) return reading.value;
   ADD_FAILURE() << "no gauge " << name;
   return NAN;
-}
-
-Gauge whole(const std::string& kind) {
-  Gauge g;
-  g.name = g.kind = kind;
-  g.phase = "solid";
-  return g;
 }
 
 TEST(GravityColumn, StressAndSettlementAndFiveSecondsOfRest) {

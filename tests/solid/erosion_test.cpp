@@ -67,11 +67,7 @@ TEST(Erosion, TheCrestIsNotAGrainInFlight) {
     above.shape.min = Point3(dx, height + 5.0 * dx, 0.0);
     above.shape.max = above.shape.min + Point3(grains * dx, dx, 0.0);
     scene.soils.push_back(above);
-    Gauge crest;
-    crest.name = "crest";
-    crest.phase = "solid";
-    crest.kind = "crest_level";
-    scene.gauges = {crest};
+    scene.gauges = {test::whole("crest_level")};
     Solid<2> solid(scene);
     solid.initialise(test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; }));
     EXPECT_NEAR(solid.gauges()[0].value, grains < 8 ? height : height + 6.0 * dx, 1e-9) << grains << " grains";

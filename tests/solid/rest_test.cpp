@@ -354,10 +354,8 @@ TEST(Readout, CrestSettlesUnderALoad) {
   Case scene = column(spec);
   scene.loads = {test::top_load(spec, 50.0, 0.0)};
   scene.solid.quiet.emplace();
-  Gauge crest;
-  crest.name = crest.kind = "crest_settlement";
-  crest.phase = "solid";
-  scene.gauges = {crest, test::point_gauge<2>("stress", "effective_stress_yy", {Point3(0.2, 0, 0)})};
+  scene.gauges = {test::whole("crest_settlement"),
+                  test::point_gauge<2>("stress", "effective_stress_yy", {Point3(0.2, 0, 0)})};
   Solid<2> solid(scene);
   solid.initialise({});
   EXPECT_EQ(reading(solid, "crest_settlement"), 0.0);

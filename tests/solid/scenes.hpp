@@ -103,13 +103,19 @@ inline const coupling::Field& field_of(const coupling::Publication& publication,
   throw std::runtime_error("no such field");
 }
 
+/// A gauge of the solid that is called as its kind.
+inline Gauge whole(const std::string& kind) {
+  Gauge gauge;
+  gauge.name = gauge.kind = kind;
+  gauge.phase = "solid";
+  return gauge;
+}
+
 /// A point gauge of the solid.
 template <int D>
 Gauge point_gauge(const std::string& name, const std::string& quantity, std::vector<Point3> points) {
-  Gauge gauge;
+  Gauge gauge = whole("point");
   gauge.name = name;
-  gauge.phase = "solid";
-  gauge.kind = "point";
   gauge.quantity = quantity;
   gauge.points = std::move(points);
   return gauge;

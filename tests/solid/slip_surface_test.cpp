@@ -15,9 +15,7 @@ TEST(SlipSurface, IsAsStrongAsItsWeakestLink) {
   test::ColumnSpec spec;
   spec.gravity = 0.0;
   Case scene = test::column(spec);
-  Gauge gauge;
-  gauge.name = gauge.kind = "slip_surface";
-  gauge.phase = "solid";
+  Gauge gauge = test::whole("slip_surface");
   gauge.points = {{0.0, 0.2, 0.0}, {0.0, 0.3, 0.0}, {0.4, 0.0, 0.0}, {0.4, 1.0, 0.0}};
   scene.gauges = {gauge};
   Solid<2> solid(scene);
