@@ -46,7 +46,7 @@ namespace poretwin {
 inline double factor_for(const std::string& number) {
   std::string name;
   double factor = 1.0;
-  if (const char* text = std::getenv("PORETWIN_NUMBER")) std::istringstream(text) >> name >> factor;
+  if (const char* text = std::getenv("NUMBER")) std::istringstream(text) >> name >> factor;
   return name == number ? factor : 1.0;
 }
 template <class T>
@@ -59,7 +59,7 @@ std::array<double, n> chosen(const char* number, std::array<double, n> values) {
   return values;
 }
 }  // namespace poretwin
-"""
+""".replace("NUMBER", NUMBER)
 HEAD = """# Sensitivity of the chosen numbers
 
 What turns red when a number of a solver's numerics folder is halved or doubled, written by
@@ -85,10 +85,6 @@ class Constant:
     @property
     def full(self):
         return f"{self.solver}.{self.room}.{self.name}"
-
-    @property
-    def file(self):
-        return f"{self.solver}_solver/numerics/{self.room}.hpp"
 
     @property
     def tests(self):
@@ -169,7 +165,11 @@ class Scratch:
         return built.returncode == 0
 
     def program_of(self, test):
-        """The test program that contains this test."""
+        """The test program that contains this test, or is it; None for a case."""
+        if test.endswith("_tests"):
+            return test
+        if "." not in test:
+            return None
         suite, name = test.split(".")
         for lists in sorted((self.root / "tests").glob("*/CMakeLists.txt")):
             for program, rest in re.findall(r"poretwin_test\((\w+) ([^)]*)\)", lists.read_text()):
@@ -180,7 +180,7 @@ class Scratch:
 
     def red(self, test, number="", factor=1.0):
         """The names of the tests that fail: of one test (Suite.Name), of all of a test program, or of one case."""
-        program = test if test.endswith("_tests") else self.program_of(test) if "." in test else None
+        program = self.program_of(test)
         if program:
             command = [self.build / "bin" / program] + ([] if program == test else [f"--gtest_filter={test}:*/{test}/*"])
         else:
@@ -190,7 +190,7 @@ class Scratch:
             run = subprocess.run(command, cwd=self.build, capture_output=True, text=True, errors="replace", timeout=self.limit,
                                  env=os.environ | {NUMBER: f"{number} {factor!r}"})
         except subprocess.TimeoutExpired:
-            return [f"{test} (takes too long)"]
+            return [test if program != test else f"{test} (takes too long)"]
         if program and "Running 0 tests" in run.stdout:
             sys.exit(f"{test}: not run by {program}")
         if not run.returncode:
@@ -199,9 +199,8 @@ class Scratch:
         return list(dict.fromkeys(failed)) or [test if program != test else f"{test} (ends early)"]
 
     def targets(self, tests):
-        cases = any("." not in t and not t.endswith("_tests") for t in tests)
-        return sorted({t if t.endswith("_tests") else self.program_of(t) for t in tests if "." in t or t.endswith("_tests")}
-                      | ({*PROGRAMS} if cases else set()))
+        programs = {self.program_of(t) for t in tests}
+        return sorted(programs - {None} | ({*PROGRAMS} if None in programs else set()))
 
 
 @contextlib.contextmanager
@@ -219,14 +218,14 @@ def scratch_tree(given):
         yield root
 
 
-def tried(scratch, constant, tests, red_before):
+def tried(scratch, constant, tests, before):
     """The tests that failed with the value halved, and those that failed with it doubled; each as a text for the table."""
     cells = []
     for factor in (0.5, 2.0):
         if not constant.may_be_times(factor):
             cells.append("no such value")
             continue
-        red = [name for t in tests for name in scratch.red(t, constant.full, factor) if name not in red_before]
+        red = [name for t in tests for name in scratch.red(t, constant.full, factor) if name not in before]
         cells.append("all" if red == tests else ", ".join(red) or "nothing")
     return cells
 
