@@ -92,6 +92,7 @@ class Server(http.server.ThreadingHTTPServer):
         self.address_family = socket.AF_INET6 if ":" in address[0] else socket.AF_INET
         self.files = {f"/{path.relative_to(page).as_posix()}": path for path in page.rglob("*") if path.is_file()}
         self.runs, self.case_roots = found, case_roots
+        self.kept = snapshot.Kept()
         self.far = not is_loopback(address[0])
         self.names = {"localhost"} | ({address[0].lower(), socket.gethostname().lower(), socket.getfqdn().lower()} if self.far else set())
         self.places = threading.BoundedSemaphore(CONNECTIONS)
@@ -203,22 +204,29 @@ class Handler(http.server.BaseHTTPRequestHandler):
         return references.references(record, self.server.case_roots, gauges)
 
     def piece(self, run, name):
-        """Bytes of a file as of its last flush. With an If-Match header: as of that flush, or an error (412)."""
+        """Bytes of a file as of its last flush. With an If-Match header: as of that flush, or an error (412).
+
+        A HEAD request opens the file: its state is kept, so that all of it can be read however soon the next flush follows.
+        """
         asked = RANGE.fullmatch(self.headers.get("Range", ""))
         if self.with_body and not asked:
             return self.json({"error": "ask for a range of bytes"}, 400)
-        first, last = (int(asked.group(1)), int(asked.group(2))) if asked else (0, -1)
+        wanted = self.headers.get("If-Match", "")
         with run.folder() as folder:
-            found = snapshot.read(folder.descriptor, name, first, max(0, min(last - first + 1, LONGEST)))
+            if asked:
+                first, last = int(asked.group(1)), int(asked.group(2))
+                found = self.server.kept.read(run.name, folder.descriptor, name, wanted.strip('"'), first, max(0, min(last - first + 1, LONGEST)))
+            else:
+                found = self.server.kept.open(run.name, folder.descriptor, name)
         if found is None:
             return self.json({"error": f"{name}: is not there (yet)"}, 404)
-        tag, length, data = found
+        tag, length = found[:2]
         headers = {"ETag": f'"{tag}"', "Accept-Ranges": "bytes"}
-        wanted = self.headers.get("If-Match")
         if wanted and wanted != f'"{tag}"':
             return self.send(412, b"", "text/plain", headers)
         if not asked:
             return self.send(200, b"", "application/octet-stream", headers, length)
+        data = found[2]
         if not data:
             return self.send(416, b"", "text/plain", {**headers, "Content-Range": f"bytes */{length}"})
         headers["Content-Range"] = f"bytes {first}-{first + len(data) - 1}/{length}"

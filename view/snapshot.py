@@ -4,14 +4,18 @@ The writer copies what it is about to replace to FILE.undo first, and a flush em
 So a piece of FILE is read first and FILE.undo after it: whatever has changed meanwhile is there with its old bytes. Every flush
 has a stamp; where it is the same before and after, all that was read belongs to one state of the file.
 """
+import collections
 import os
 import stat
 import struct
+import threading
 import time
 
 HEADER = struct.Struct("<QQQ")  # length at the flush, its stamp, 0
 PIECE = struct.Struct("<QQ")  # position, number of bytes that follow
 PATIENCE = 2.0  # s; longest wait for a flush in progress, which takes a moment
+LARGEST_KEPT = 1 << 26  # bytes of a file that is kept whole while it is written
+MOST_KEPT = 1 << 28  # bytes of all files that are kept
 
 
 class Unreadable(Exception):
@@ -94,3 +98,45 @@ def read(folder, name, first=0, count=0):
         if time.monotonic() > deadline:
             raise Unreadable(f"{name}: changes faster than it can be read")
         time.sleep(0.002)
+
+
+class Kept:
+    """Whole files as of the flush at which a reader opened them.
+
+    A reader needs many requests for one frame. A fast run flushes in between, and then no two pieces would belong together.
+    """
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.files = collections.OrderedDict()  # (whose, name, tag) -> bytes, the most recently used last
+
+    def open(self, whose, folder, name):
+        """(tag, length) of a file at its last flush, as read() gives them; the file is kept if it is being written and not too large."""
+        found = read(folder, name)
+        if found is None or found[1] > LARGEST_KEPT or not being_written(folder, name):
+            return found and found[:2]
+        found = read(folder, name, 0, LARGEST_KEPT)
+        if found is None:
+            return None
+        tag, length, data = found
+        if len(data) == length:
+            with self.lock:
+                self.files[whose, name, tag] = data
+                while sum(map(len, self.files.values())) > MOST_KEPT:
+                    self.files.popitem(last=False)
+        return tag, length
+
+    def read(self, whose, folder, name, tag, first, count):
+        """(tag, length, bytes) of the state with this tag where it is kept, else of the last flush; None where there is no such file."""
+        with self.lock:
+            data = self.files.get((whose, name, tag))
+            if data is not None:
+                self.files.move_to_end((whose, name, tag))
+        return read(folder, name, first, count) if data is None else (tag, len(data), data[first : first + count])
+
+
+def being_written(folder, name):
+    undo = open_file(name + ".undo", folder)
+    if undo is not None:
+        os.close(undo)
+    return undo is not None

@@ -16,6 +16,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
@@ -306,6 +307,40 @@ class TheLastFlush(unittest.TestCase):
         self.undo.write_bytes(struct.pack("<Q", 10) + struct.pack("<QQ", 0, 2) + b"01")
         self.file.write_bytes(b"ab23456789")
         self.assertEqual(self.read()[2], b"0123456789")
+
+
+    def test_an_opened_file_can_be_read_after_the_next_flush(self):
+        self.undo.write_bytes(b"")
+        kept = snapshot.Kept()
+        tag, length = kept.open("run", self.folder, "f")
+        self.file.write_bytes(b"ab23456789")
+        os.utime(self.undo, ns=(1, 1))
+        self.assertEqual((length, kept.read("run", self.folder, "f", tag, 1, 3)), (10, (tag, 10, b"123")))
+        later = kept.read("another run", self.folder, "f", tag, 1, 3)
+        self.assertNotEqual(later[0], tag)
+        self.assertEqual(later[2], b"b23")
+
+    def test_only_files_that_are_being_written_are_kept(self):
+        kept = snapshot.Kept()
+        kept.open("run", self.folder, "f")
+        self.assertEqual(len(kept.files), 0)
+        self.undo.write_bytes(b"")
+        kept.open("run", self.folder, "f")
+        self.assertEqual(len(kept.files), 1)
+
+    def test_what_is_kept_has_a_limit(self):
+        self.undo.write_bytes(b"")
+        kept = snapshot.Kept()
+        with unittest.mock.patch.object(snapshot, "MOST_KEPT", 25):
+            tags = []
+            for stamp in (1, 2, 3):
+                os.utime(self.undo, ns=(stamp, stamp))
+                tags.append(kept.open("run", self.folder, "f")[0])
+        self.assertEqual([tag for _, _, tag in kept.files], tags[1:])
+        with unittest.mock.patch.object(snapshot, "LARGEST_KEPT", 9):
+            os.utime(self.undo, ns=(4, 4))
+            kept.open("run", self.folder, "f")
+        self.assertEqual([tag for _, _, tag in kept.files], tags[1:])
 
 
 class WhileARealRunWrites(unittest.TestCase):

@@ -140,7 +140,7 @@ export class Panel {
     this.progress.hidden = !(run.running && end > 0);
     if (!this.progress.hidden) this.progress.value = t / end;
     this.words.textContent = run.running ? progressWords(run, t, end, waits) : endWords(status);
-    const complaints = [this.lack, this.trouble, ...Object.values(run.errors), ...Object.values(this.failed ?? {})].filter(Boolean);
+    const complaints = [this.lack, this.trouble, ...run.complaints(), ...Object.values(this.failed ?? {})].filter(Boolean);
     const empty = complaints.length === 0 && run.times().length === 0;
     this.notice.hidden = complaints.length === 0 && !empty;
     this.notice.classList.toggle("calm", empty);

@@ -10,7 +10,8 @@ export class Run {
     this.name = name;
     this.status = null;
     this.phases = {}; // content of each phase's file
-    this.errors = {};
+    this.errors = {}; // of reading each phase's file here
+    this.unreadable = {}; // what the server says of each phase's file now
     this.tags = {};
     this.samples = [];
   }
@@ -35,11 +36,8 @@ export class Run {
     let changed = false;
     for (const phase of PHASES) {
       const file = this.status.files[phase];
-      if (!file || file.error) {
-        if (file?.error) this.errors[phase] = `${phase}.vtkhdf: ${file.error}`;
-        continue;
-      }
-      if (file.tag === this.tags[phase]) continue;
+      this.unreadable[phase] = file?.error && `${phase}.vtkhdf: ${file.error}`;
+      if (!file || file.error || file.tag === this.tags[phase]) continue;
       changed = (await this.reopen(phase, file.tag)) || changed;
     }
     return changed;
@@ -82,6 +80,10 @@ export class Run {
     const count = {};
     for (const { waits } of this.samples) if (waits) count[waits] = (count[waits] ?? 0) + 1 / this.samples.length;
     return count;
+  }
+
+  complaints() {
+    return [...Object.values(this.unreadable), ...Object.values(this.errors)].filter(Boolean);
   }
 
   times() {
