@@ -32,8 +32,10 @@ struct EdgePair {
 ///   F = [R_a U_a + R_q U_q - (p_q - p_a)/r] / (R_a + R_q),      p_e = p_a + r R_a (U_a - F)
 ///
 /// with the flux U of water and skeleton without the pressure's, the resistances R per length of the pair, and its
-/// length r. The operators inside the soil and the free water take the mean of both sides instead. All ranks call the
-/// constructor and what takes a field, or the edge is empty on all.
+/// length r. The operators inside the soil and the free water take the mean of both sides instead. So does water in a
+/// film between the soil and a wall that the soil faces, within the kernel's reach of the soil's image behind it: both
+/// halves of a pair need water that reaches from the edge to the particle. (Otherwise a body that lands gains energy;
+/// decision 0055.) All ranks call the constructor and what takes a field, or the edge is empty on all.
 template <int D>
 class SoilEdge {
  public:
@@ -78,12 +80,27 @@ class SoilEdge {
     more_along_.assign(n, 0.0);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
-      Vec<D> normal = Vec<D>::Zero();
-      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-        if (const Index q = s.parent[s.other[k]]; q < n) normal += (mask[q] - mask[a]) * weight(a, k);
+      // Images behind a wall that the edge faces show the soil on the other side.
+      Vec<D> normal = Vec<D>::Zero(), without_images = Vec<D>::Zero();
+      for (const bool images : {false, true}) {
+        for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+          const Index j = s.other[k], q = s.parent[j];
+          if (q >= n || (j >= s.n_base) != images || (images && s.faces(j, without_images))) continue;
+          normal += (mask[q] - mask[a]) * weight(a, k);
+        }
+        without_images = normal;
+      }
       if (!normal.isZero(0.0)) into_soil_[a] = normal.normalized();
     });
     fill_copies(s.domain, std::span(into_soil_));
+    std::vector<char> own_film(real, 0);
+    parallel_for(particles_.size(), [&](std::size_t i) {
+      const std::size_t a = particles_[i];
+      for (Index k = s.offset[a]; k < s.offset[a + 1] && !into_soil_[a].isZero(0.0); ++k)
+        if (const Index j = s.other[k], q = s.parent[j]; q < n && mask[q] > mask[a] && s.faces(j, into_soil_[a]))
+          own_film[a] = 1;
+    });
+    const std::vector<char> film = s.flags_with_copies(own_film);
     pairs_.resize(particles_.size());
     push_.assign(real, 0.0);
     steeper_.assign(real, 1.0);
@@ -92,7 +109,7 @@ class SoilEdge {
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k], q = s.parent[j];
         if (q >= n || (mask[a] >= 1.0 && mask[q] >= 1.0) || (free_[a] != 0 && free_[q] != 0) ||
-            is_coarse[mask[a] > mask[q] ? a : q] != 0)
+            is_coarse[mask[a] > mask[q] ? a : q] != 0 || film[mask[a] < mask[q] ? a : q] != 0)
           continue;
         pairs_[i].push_back(made(a, k, mask, outside, free_resistance));
       }
