@@ -298,11 +298,6 @@ struct Stencil {
   [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {
     return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
   }
-  /// Whether point j is an image behind a wall that an edge with the normal `edge` faces. The image of an edge
-  /// that ends on a wall has the same normal, or one at less than a right angle.
-  [[nodiscard]] bool faces(Index j, const Vec<D>& edge) const {
-    return j >= n_base && (map[j - n_base] * edge).dot(edge) <= 0.0;
-  }
   [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_particles && parent[j] < n_base; }
   /// Whether a face column has a slope of the pressure.
   [[nodiscard]] bool has_slope(Index column) const { return column < fitted.size() && fitted[column] != 0; }

@@ -512,7 +512,9 @@ TEST(Operators, ALightParticleDoesNotDriveItself) {
   std::printf("neighbours %.3f, all %.3f, limited %.3f\n", of_neighbours, whole, divergence<2>(s, flow)[0]);
   EXPECT_GT(of_neighbours, 0.0);
   EXPECT_LT(whole, 0.0);
-  EXPECT_NEAR(divergence<2>(s, flow)[0], 0.5 * of_neighbours, 0.1 * of_neighbours);
+  // Of what the neighbours do, its own motion takes back a part, but less than half.
+  EXPECT_GT(divergence<2>(s, flow)[0], 0.5 * of_neighbours);
+  EXPECT_LT(divergence<2>(s, flow)[0], 0.75 * of_neighbours);
   limit_own_pressure(s, std::span<const double>(linear), [&](std::size_t a, double excess) {
     // Around particles at the outside of the lattice, too.
     EXPECT_NEAR(excess, 0.0, 1e-5) << a;
