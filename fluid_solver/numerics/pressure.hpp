@@ -29,15 +29,6 @@ inline constexpr double skeleton_tolerance = 1e-3;
 /// These two solves end at this residual.
 /// Unit: 1. Test: none known (iterations, not results).
 inline constexpr double preconditioner_tolerance = 1e-1;
-/// A particle's own pressure may drive the particle as far as this takes back at most this share of what the pressure
-/// changes in its divergence by driving its neighbours (limit_own_pressure). With 1 nothing would be left of it.
-/// Unit: 1. Test: Operators.ALightParticleDoesNotDriveItself.
-inline constexpr double own_response = 0.5;
-/// An image of soil lies on the other side of the water where its direction is at more than 120 degrees from that into
-/// the soil: this is the cosine. Soil behind a wall on which the edge ends lies at less than 90 degrees, but points are
-/// not even.
-/// Unit: 1. Test: Submerged.ABlockOfSandThatLandsGainsNoEnergy (untried).
-inline constexpr double opposite = -0.5;
 /// The skeleton responds in the pressure solve where its bulk density, over the density of water, exceeds this.
 /// Unit: 1. Test: none known.
 inline constexpr double least_responding = 1e-6;

@@ -32,10 +32,8 @@ struct EdgePair {
 ///   F = [R_a U_a + R_q U_q - (p_q - p_a)/r] / (R_a + R_q),      p_e = p_a + r R_a (U_a - F)
 ///
 /// with the flux U of water and skeleton without the pressure's, the resistances R per length of the pair, and its
-/// length r. The operators inside the soil and the free water take the mean of both sides instead. So does water in a
-/// film between the soil and a wall, within the kernel's reach of the soil's image on its other side: both
-/// halves of a pair need water that reaches from the edge to the particle. (Otherwise a body that lands gains energy;
-/// decision 0055.) All ranks call the constructor and what takes a field, or the edge is empty on all.
+/// length r. The operators inside the soil and the free water take the mean of both sides instead. All ranks call the
+/// constructor and what takes a field, or the edge is empty on all.
 template <int D>
 class SoilEdge {
  public:
@@ -80,27 +78,12 @@ class SoilEdge {
     more_along_.assign(n, 0.0);
     parallel_for(particles_.size(), [&](std::size_t i) {
       const std::size_t a = particles_[i];
-      // Soil behind a wall on the other side of the water is left out.
-      Vec<D> normal = Vec<D>::Zero(), seen = Vec<D>::Zero();
-      for (const bool images : {false, true}) {
-        for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-          const Index j = s.other[k], q = s.parent[j];
-          if (q < n && (j >= s.n_base) == images && !(mask[q] > mask[a] && is_opposite(a, j, seen)))
-            normal += (mask[q] - mask[a]) * weight(a, k);
-        }
-        seen = normal.normalized();
-      }
+      Vec<D> normal = Vec<D>::Zero();
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+        if (const Index q = s.parent[s.other[k]]; q < n) normal += (mask[q] - mask[a]) * weight(a, k);
       if (!normal.isZero(0.0)) into_soil_[a] = normal.normalized();
     });
     fill_copies(s.domain, std::span(into_soil_));
-    std::vector<char> own_film(real, 0);
-    parallel_for(particles_.size(), [&](std::size_t i) {
-      const std::size_t a = particles_[i];
-      for (Index k = s.offset[a]; k < s.offset[a + 1] && !into_soil_[a].isZero(0.0); ++k)
-        if (const Index j = s.other[k], q = s.parent[j]; q < n && mask[q] > mask[a] && is_opposite(a, j, into_soil_[a]))
-          own_film[a] = 1;
-    });
-    const std::vector<char> film = s.flags_with_copies(own_film);
     pairs_.resize(particles_.size());
     push_.assign(real, 0.0);
     steeper_.assign(real, 1.0);
@@ -109,7 +92,7 @@ class SoilEdge {
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k], q = s.parent[j];
         if (q >= n || (mask[a] >= 1.0 && mask[q] >= 1.0) || (free_[a] != 0 && free_[q] != 0) ||
-            is_coarse[mask[a] > mask[q] ? a : q] != 0 || film[mask[a] < mask[q] ? a : q] != 0)
+            is_coarse[mask[a] > mask[q] ? a : q] != 0)
           continue;
         pairs_[i].push_back(made(a, k, mask, outside, free_resistance));
       }
@@ -238,11 +221,6 @@ class SoilEdge {
   }
 
  private:
-  /// Whether an image lies on the other side of particle a than the soil, of which `into` is the direction.
-  [[nodiscard]] bool is_opposite(std::size_t a, Index j, const Vec<D>& into) const {
-    const Vec<D> r = s_->position[j] - s_->position[a];
-    return j >= s_->n_base && into.dot(r) < pressure::opposite * r.norm();
-  }
   /// Part of a vector across the edge at particle a.
   [[nodiscard]] Vec<D> across(std::size_t a, const Vec<D>& x) const { return into_soil_[a].dot(x) * into_soil_[a]; }
   [[nodiscard]] double along_square(std::size_t a, const Vec<D>& x) const { return (x - across(a, x)).squaredNorm(); }

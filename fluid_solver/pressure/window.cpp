@@ -6,7 +6,6 @@
 #include "fluid_solver/discretisation/unresolved_pressure.hpp"
 #include "fluid_solver/numerics/pressure.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
-#include "fluid_solver/pressure/own_pressure.hpp"
 #include "fluid_solver/pressure/soil_edge.hpp"
 
 #include <algorithm>
@@ -1262,32 +1261,10 @@ class WindowSolver {
       if (!edge_.empty()) flow_past_edge(out, flux);
     }
     if (!cells_.empty()) flow_in_beds(out, flux);
-    calm_own_pressure(out, flux);
     parallel_for(n_, [&](std::size_t a) {
       const auto& q = q_[a];
       const Vec<D> driven = flux.empty() ? Vec<D>(mobility * out.gradient[a]) : flux[a];
       out.velocity[a] = (push(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];
-    });
-  }
-
-  /// Lowers what drives a particle by its own pressure where that would increase its divergence, in the proportion in
-  /// which the velocity is carried into the next window: seepage has no velocity of its own that could grow.
-  void calm_own_pressure(WindowSolution<D>& out, VecArray<D>& flux) const {
-    ScalarArray own(flux.size());
-    parallel_for(own.size(), [&](std::size_t a) { own[a] = q_[a].kf; });
-    const auto mobility = mobility_with_copies(s_, own);
-    limit_own_pressure(s_, std::span<const double>(out.pressure), [&](std::size_t a, double excess) {
-      excess *= q_[a].aw / (q_[a].aw + q_[a].C);
-      if (excess == 0.0) return;
-      Vec<D> even = Vec<D>::Zero(), weighted = Vec<D>::Zero();
-      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
-        const Index j = s_.other[k];
-        const Vec<D> w = static_cast<double>(s_.gradient_factor[k]) * (s_.position[j] - s_.position[a]);
-        even += w;
-        if (!flux.empty()) weighted += harmonic(mobility[a], mobility[s_.parent[j]]) * w;
-      }
-      out.gradient[a] += excess * (s_.correction[a] * even);
-      if (!flux.empty()) flux[a] += excess * (s_.correction[a] * weighted);
     });
   }
 

@@ -3,7 +3,6 @@
 #include "fluid_solver/boundary/faces.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
 #include "fluid_solver/discretisation/unresolved_pressure.hpp"
-#include "fluid_solver/pressure/own_pressure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -481,44 +480,6 @@ TEST(Operators, AParticleWithFewNeighboursOnOneSideLiesAtAHole) {
   auto s = make_stencil<2>(x, ScalarArray(x.size(), 1.0), {}, {});
   s.open_water.assign(x.size(), 0);  // beside soil
   EXPECT_EQ(find_surface<2>(s, std::vector<char>(x.size(), 0))[0], Surface::surface);
-}
-
-TEST(Operators, ALightParticleDoesNotDriveItself) {
-  // Around a light particle some sites of a lattice are empty on one side. Its pressure is to drive its neighbours
-  // apart, which raises its divergence; but its own pressure drives it towards the empty sites, which lowers it by
-  // more.
-  VecArray<2> x = {Vec<2>(0.3, 0.0)};
-  for (int i = -5; i <= 5; ++i)
-    for (int j = -5; j <= 5; ++j)
-      if (!(i == 0 && j == 0) && !(i == 1 && std::abs(j) <= 1)) x.emplace_back(i, j);
-  ScalarArray volume(x.size(), 1.0), peak(x.size(), 0.0), linear;
-  volume[0] = 0.3;
-  peak[0] = 1.0;
-  for (const auto& point : x) linear.push_back(2.0 + 3.0 * point[0] - 5.0 * point[1]);
-  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {});
-  const auto none = [](auto) { return 0.0; };
-  VecArray<2> flow = pressure_gradient<2>(s, std::span<const double>(peak), none, {}, Vec<2>::Zero(), none);
-  for (auto& v : flow) v = -v;
-  const double whole = divergence<2>(s, flow)[0];
-  const Vec<2> own = flow[0];
-  flow[0].setZero();
-  const double of_neighbours = divergence<2>(s, flow)[0];
-  flow[0] = own;
-  limit_own_pressure(s, std::span<const double>(peak), [&](std::size_t a, double excess) {
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      flow[a] -= excess * (s.correction[a] *
-                           (static_cast<double>(s.gradient_factor[k]) * (s.position[s.other[k]] - s.position[a])));
-  });
-  std::printf("neighbours %.3f, all %.3f, limited %.3f\n", of_neighbours, whole, divergence<2>(s, flow)[0]);
-  EXPECT_GT(of_neighbours, 0.0);
-  EXPECT_LT(whole, 0.0);
-  // Of what the neighbours do, its own motion takes back a part, but less than half.
-  EXPECT_GT(divergence<2>(s, flow)[0], 0.5 * of_neighbours);
-  EXPECT_LT(divergence<2>(s, flow)[0], 0.75 * of_neighbours);
-  limit_own_pressure(s, std::span<const double>(linear), [&](std::size_t a, double excess) {
-    // Around particles at the outside of the lattice, too.
-    EXPECT_NEAR(excess, 0.0, 1e-5) << a;
-  });
 }
 
 }  // namespace
