@@ -113,13 +113,18 @@ class Kept:
     def open(self, whose, folder, name):
         """(tag, length) of a file at its last flush, as read() gives them; the file is kept if it is being written and not too large."""
         found = read(folder, name)
-        if found is None or found[1] > LARGEST_KEPT or not being_written(folder, name):
-            return found and found[:2]
+        if found is None:
+            return None
+        tag, length, _ = found
+        with self.lock:
+            known = (whose, name, tag) in self.files
+        if known or length > LARGEST_KEPT or not being_written(folder, name):
+            return tag, length
         found = read(folder, name, 0, LARGEST_KEPT)
         if found is None:
             return None
         tag, length, data = found
-        if len(data) == length:
+        if len(data) == length:  # else it has grown beyond the limit since
             with self.lock:
                 self.files[whose, name, tag] = data
                 while sum(map(len, self.files.values())) > MOST_KEPT:

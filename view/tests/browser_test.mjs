@@ -405,6 +405,7 @@ test("a run under way grows on the page", async () => {
   await until((t) => Number(document.querySelector(".panel").dataset.drawn) > t, time);
   await until(() => /coupler waits.*for the (fluid|solid)/.test(document.querySelector("#reports").textContent));
   assert.equal(await panel("runs/live").locator(".notice").textContent(), "");
+  assert.equal(await panel("runs/live").locator(".notice").isVisible(), false);
   assert.equal(await ended, 0);
   await until(() => document.querySelector(".badge").textContent === "finished");
   const times = held("live", "t.tolist()");

@@ -308,7 +308,6 @@ class TheLastFlush(unittest.TestCase):
         self.file.write_bytes(b"ab23456789")
         self.assertEqual(self.read()[2], b"0123456789")
 
-
     def test_an_opened_file_can_be_read_after_the_next_flush(self):
         self.undo.write_bytes(b"")
         kept = snapshot.Kept()
@@ -327,6 +326,8 @@ class TheLastFlush(unittest.TestCase):
         self.undo.write_bytes(b"")
         kept.open("run", self.folder, "f")
         self.assertEqual(len(kept.files), 1)
+        with unittest.mock.patch.object(snapshot, "being_written", side_effect=AssertionError("a state is kept once")):
+            kept.open("run", self.folder, "f")
 
     def test_what_is_kept_has_a_limit(self):
         self.undo.write_bytes(b"")
